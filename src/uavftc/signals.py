@@ -1,0 +1,130 @@
+"""The signal row: everything that is true at one sample t_k, and the names it is published under.
+
+A flight is an array of such rows. A law reads and writes the row of the present sample in place, so the row is the
+bus between the blocks and, once the sample has passed, the history. Units are SI and radians; the frame is body axes
+(x forward, y right, z down) unless a field says otherwise.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+AXES = ("roll", "pitch", "yaw")
+SURFACES = ("aileron", "elevator", "rudder")
+
+_VEC = (3,)
+
+ROW = np.dtype(
+    [
+        ("t", "f8"),  # s
+        ("status", "f8"),  # 0 while flying, a code of flight.LOST once the vehicle is lost
+        # given by the scenario, sampled before the flight
+        ("x1_c", "f8", _VEC),  # commanded attitude [phi, theta, psi], absolute, rad
+        ("effectiveness", "f8", _VEC),  # omega of eq. (6), per surface
+        ("bias", "f8", _VEC),  # v_2a of eq. (6), rad, per surface
+        ("d1", "f8", _VEC),  # disturbance of eq. (7) on the attitude rates, rad/s
+        ("d2", "f8", _VEC),  # disturbance of eq. (7) on the angular accelerations, rad/s^2
+        ("wind_n", "f8", _VEC),  # velocity of the air, north-east-down, m/s
+        # the vehicle as it is
+        ("x1", "f8", _VEC),  # attitude [phi, theta, psi], rad; psi continuous, not wrapped
+        ("x2", "f8", _VEC),  # body rates [p, q, r], rad/s
+        ("airspeed", "f8"),  # m/s, true
+        ("altitude", "f8"),  # m above mean sea level
+        ("alpha", "f8"),  # rad
+        ("beta", "f8"),  # rad
+        ("throttle", "f8"),  # 0..1
+        # the vehicle as the controller is shown it
+        ("x1_meas", "f8", _VEC),  # rad
+        ("x2_meas", "f8", _VEC),  # rad/s
+        # the controller
+        ("d1_hat", "f8", _VEC),  # NNDO estimate of d1, eq. (9), rad/s
+        ("v1", "f8", _VEC),  # commanded body rates, eq. (9), rad/s
+        ("f_hat", "f8", _VEC),  # estimate of the lumped disturbance, B_m (W_f' Phi_f + eps_f), rad/s^2
+        ("v2", "f8", _VEC),  # controller output: commanded deflection about trim, rad
+        # the actuators: deflection about trim, held from t_k on, and from t_k + switch on (delay of part of a sample)
+        ("u2", "f8", _VEC),  # rad
+        ("u2_late", "f8", _VEC),  # rad
+    ]
+)
+"""Layout of one signal row; all fields are float64, so a row is also a flat buffer."""
+
+ROW_WIDTH = ROW.itemsize // 8
+
+
+class Column(NamedTuple):
+    """One published column of the history: its name with unit, and the row field and index it is taken from."""
+
+    name: str
+    field: str
+    index: int | None
+
+
+def _vector(field: str, names: tuple[str, ...]) -> list[Column]:
+    return [Column(name, field, i) for i, name in enumerate(names)]
+
+
+COLUMNS: tuple[Column, ...] = (
+    Column("time_s", "t", None),
+    *_vector("x1", ("phi_rad", "theta_rad", "psi_rad")),
+    *_vector("x2", ("p_radps", "q_radps", "r_radps")),
+    *_vector("x1_c", ("phi_ref_rad", "theta_ref_rad", "psi_ref_rad")),
+    *_vector("v1", ("p_ref_radps", "q_ref_radps", "r_ref_radps")),
+    *_vector("v2", ("aileron_cmd_rad", "elevator_cmd_rad", "rudder_cmd_rad")),
+    *_vector("u2", ("aileron_rad", "elevator_rad", "rudder_rad")),
+    *_vector("d1_hat", ("d1_hat_phi_radps", "d1_hat_theta_radps", "d1_hat_psi_radps")),
+    *_vector("f_hat", ("f_hat_p_radps2", "f_hat_q_radps2", "f_hat_r_radps2")),
+    *_vector("effectiveness", ("effectiveness_aileron", "effectiveness_elevator", "effectiveness_rudder")),
+    *_vector("bias", ("bias_aileron_rad", "bias_elevator_rad", "bias_rudder_rad")),
+    *_vector("d1", ("d1_phi_radps", "d1_theta_radps", "d1_psi_radps")),
+    *_vector("d2", ("d2_p_radps2", "d2_q_radps2", "d2_r_radps2")),
+    *_vector("x2_meas", ("p_meas_radps", "q_meas_radps", "r_meas_radps")),
+    *_vector("wind_n", ("wind_north_mps", "wind_east_mps", "wind_down_mps")),
+    Column("airspeed_mps", "airspeed", None),
+    Column("altitude_m", "altitude", None),
+    Column("alpha_rad", "alpha", None),
+    Column("beta_rad", "beta", None),
+    Column("throttle", "throttle", None),
+)
+"""Columns of `history.parquet`, in order."""
+
+
+def empty_rows(n: int) -> np.ndarray:
+    """Return `n` zeroed rows, shape (n, ROW_WIDTH), C-contiguous float64; `rows.view(ROW)[:, 0]` names the fields."""
+    return np.zeros((n, ROW_WIDTH))
+
+
+def as_records(rows: np.ndarray) -> np.ndarray:
+    """Return the same memory as a structured array, shape (n,), dtype ROW."""
+    return rows.view(ROW)[:, 0]
+
+
+def wrap_angle(angle: np.ndarray) -> np.ndarray:
+    """Wrap an angle in rad into [-pi, pi)."""
+    return (np.asarray(angle) + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def attitude_error(records: np.ndarray) -> np.ndarray:
+    """Return x1_c - x1, shape (n, 3), rad, with the heading error wrapped into [-pi, pi)."""
+    error = records["x1_c"] - records["x1"]
+    error[:, 2] = wrap_angle(error[:, 2])
+    return error
+
+
+def column(records: np.ndarray, name: str) -> np.ndarray:
+    """Return one published column, shape (n,), heading wrapped to within pi of its reference.
+
+    Raises
+    ------
+    KeyError
+        If no column has this name.
+    """
+    spec = _BY_NAME[name]
+    if name == "psi_rad":
+        return records["x1_c"][:, 2] - attitude_error(records)[:, 2]
+    values = records[spec.field]
+    return values if spec.index is None else values[:, spec.index]
+
+
+_BY_NAME = {c.name: c for c in COLUMNS}
