@@ -100,15 +100,17 @@ def as_records(rows: np.ndarray) -> np.ndarray:
     return rows.view(ROW)[:, 0]
 
 
-def wrap_angle(angle: np.ndarray) -> np.ndarray:
-    """Wrap an angle in rad into [-pi, pi)."""
-    return (np.asarray(angle) + np.pi) % (2.0 * np.pi) - np.pi
+def heading_near_reference(records: np.ndarray) -> np.ndarray:
+    """Return psi, shape (n,), rad, moved by whole turns to within pi of its reference."""
+    psi, psi_c = records["x1"][:, 2], records["x1_c"][:, 2]
+    turn = 2.0 * np.pi
+    return psi - turn * np.round((psi - psi_c) / turn)
 
 
 def attitude_error(records: np.ndarray) -> np.ndarray:
-    """Return x1_c - x1, shape (n, 3), rad, with the heading error wrapped into [-pi, pi)."""
+    """Return x1_c - x1, shape (n, 3), rad, with the heading error within [-pi, pi]."""
     error = records["x1_c"] - records["x1"]
-    error[:, 2] = wrap_angle(error[:, 2])
+    error[:, 2] = records["x1_c"][:, 2] - heading_near_reference(records)
     return error
 
 
@@ -122,7 +124,7 @@ def column(records: np.ndarray, name: str) -> np.ndarray:
     """
     spec = _BY_NAME[name]
     if name == "psi_rad":
-        return records["x1_c"][:, 2] - attitude_error(records)[:, 2]
+        return heading_near_reference(records)
     values = records[spec.field]
     return values if spec.index is None else values[:, spec.index]
 
