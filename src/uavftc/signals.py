@@ -19,7 +19,7 @@ _VEC = (3,)
 ROW = np.dtype(
     [
         ("t", "f8"),  # s
-        ("status", "f8"),  # 0 while flying, a code of flight.LOST once the vehicle is lost
+        ("status", "f8"),  # 0 while flying, a code of envelope.LOST once the vehicle is lost
         # given by the scenario, sampled before the flight
         ("x1_c", "f8", _VEC),  # commanded attitude [phi, theta, psi], absolute, rad
         ("effectiveness", "f8", _VEC),  # omega of eq. (6), per surface
@@ -32,6 +32,7 @@ ROW = np.dtype(
         ("x2", "f8", _VEC),  # body rates [p, q, r], rad/s
         ("airspeed", "f8"),  # m/s, true
         ("altitude", "f8"),  # m above mean sea level
+        ("height", "f8"),  # m above the ground
         ("alpha", "f8"),  # rad
         ("beta", "f8"),  # rad
         ("throttle", "f8"),  # 0..1

@@ -1,0 +1,66 @@
+"""Inner loop, L1 adaptive control law: eq. (32) over the predictor of `predictor.py`.
+
+    v_ad(s) = -K_3 D(s) ( eta_hat(s) + K r(s) ),   K_3 D(s) = k/s,   k = 60 rad/s
+    eta_hat = omega_hat v_ad + W_hat^T Phi + eps_hat
+    v2      = -K_0^T x2 + v_ad
+
+with r = v1, the body rates that the outer loop commands. Per channel the loop is the low-pass filter
+C(s) = k omega / (s + k omega).
+
+Deviation from the print: eq. (32) reads eta_hat - K_2 r, and the printed K_2 equals B_m^-1 A_s, so that the rates
+would converge to minus the command; here K stands with a plus. The gain K is `gains.reference_gain`.
+
+Sampled form: with omega_hat, the estimates and r held over the step the filter is solved exactly,
+
+    v_ad_new = a v_ad - (1 - a) (W_hat^T Phi + eps_hat + K r) / omega_hat,   a = exp(-k h omega_hat), per channel.
+
+Backward Euler in its place doubles the distance to the continuous limit.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+import numpy as np
+
+from uavftc.control.inner.predictor import PREDICTOR_PARAMS, PREDICTOR_STATE, advance, lumped, start
+from uavftc.control.rbf import basis
+from uavftc.linear3 import multiply, multiply_transposed
+from uavftc.stage import Stage, carray, law
+
+PARAMS = np.dtype(
+    [
+        *PREDICTOR_PARAMS,
+        ("filter_bandwidth", "f8"),  # k, rad/s
+        ("K", "f8", (3, 3)),  # reference gain
+        ("K_0", "f8", (3, 3)),  # linear feedback, v2_l = -K_0^T x2
+    ]
+)
+STATE = np.dtype(PREDICTOR_STATE)
+
+
+@law
+def step(p, s, row):
+    """Write the command v2, rad, and the estimate f_hat, rad/s^2, into the row."""
+    x2 = row.x2_meas
+    started = s.started != 0.0
+    if started:
+        advance(p, s, x2)
+    else:
+        start(s, x2)
+    basis(row.x1_meas, x2, p.psi_0, p.centres, p.width, s.Phi)
+    f = (lumped(s, 0), lumped(s, 1), lumped(s, 2))
+    K_r = multiply(p.K, row.v1)
+    feedback = multiply_transposed(p.K_0, x2)
+    for i in range(3):
+        if started:
+            a = exp(-p.filter_bandwidth * p.h * s.omega_hat[i])
+            s.v_ad[i] = a * s.v_ad[i] - (1.0 - a) * (f[i] + K_r[i]) / s.omega_hat[i]
+        row.v2[i] = s.v_ad[i] - feedback[i]
+    row.f_hat[0], row.f_hat[1], row.f_hat[2] = multiply(p.B_m, f)
+
+
+@Stage(PARAMS, STATE)
+def stage(p, s, row):
+    """Entry."""
+    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])

@@ -1,0 +1,51 @@
+"""Inner loop, model reference adaptive control: the paper's comparator of section 4.
+
+The predictor and adaptive laws of `predictor.py` without the low-pass filter of the L1 law:
+
+    v_ad = -(W_hat^T Phi + eps_hat + K r) / omega_hat,   v2 = -K_0^T x2 + v_ad
+
+The paper names the comparator and states that its parameters are those of the L1 controller; it prints no equation.
+This is the law that results when the filter bandwidth of eq. (32) tends to infinity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uavftc.control.inner.predictor import PREDICTOR_PARAMS, PREDICTOR_STATE, advance, lumped, start
+from uavftc.control.rbf import basis
+from uavftc.linear3 import multiply, multiply_transposed
+from uavftc.stage import Stage, carray, law
+
+PARAMS = np.dtype(
+    [
+        *PREDICTOR_PARAMS,
+        ("K", "f8", (3, 3)),  # reference gain
+        ("K_0", "f8", (3, 3)),  # linear feedback, v2_l = -K_0^T x2
+    ]
+)
+STATE = np.dtype(PREDICTOR_STATE)
+
+
+@law
+def step(p, s, row):
+    """Write the command v2, rad, and the estimate f_hat, rad/s^2, into the row."""
+    x2 = row.x2_meas
+    if s.started != 0.0:
+        advance(p, s, x2)
+    else:
+        start(s, x2)
+    basis(row.x1_meas, x2, p.psi_0, p.centres, p.width, s.Phi)
+    f = (lumped(s, 0), lumped(s, 1), lumped(s, 2))
+    K_r = multiply(p.K, row.v1)
+    feedback = multiply_transposed(p.K_0, x2)
+    for i in range(3):
+        s.v_ad[i] = -(f[i] + K_r[i]) / s.omega_hat[i]
+        row.v2[i] = s.v_ad[i] - feedback[i]
+    row.f_hat[0], row.f_hat[1], row.f_hat[2] = multiply(p.B_m, f)
+
+
+@Stage(PARAMS, STATE)
+def stage(p, s, row):
+    """Entry."""
+    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])

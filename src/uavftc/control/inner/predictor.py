@@ -1,0 +1,137 @@
+"""Inner loop, state predictor and projected adaptive laws: eqs. (30) and (31).
+
+    x2_hat'    = A_m x2_hat + B_m (omega_hat v_ad + W_hat^T Phi + eps_hat) + K_1 x2_tilde,  x2_tilde = x2_hat - x2
+    omega_hat' = Gamma proj(omega_hat, -(x2_tilde^T P B_m) v_ad)        one factor a channel
+    W_hat'     = Gamma proj(W_hat,     -Phi (x2_tilde^T P B_m))
+    eps_hat'   = Gamma proj(eps_hat,   -(x2_tilde^T P B_m))
+    A_s^T P + P A_s = -Q,   A_s = A_m + K_1
+
+Sampled form. Gamma = 1e5 makes these equations stiff (1.6 to 4.4 krad/s), and a flight computer runs them at a fixed
+rate, so the step is taken implicitly (backward Euler in x2_tilde and the estimates, the regressors v_ad and Phi being
+those applied over the step). Inserting the adaptive laws into the predictor leaves one 3x3 system:
+
+    [ I - h A_s + h^2 Gamma B_m diag(1 + Phi^T Phi + v_i^2) B_m^T P ] x2_tilde
+        = x2_hat_old - x2 + h ( A_m x2 + B_m (omega_hat v_ad + W_hat^T Phi + eps_hat) )
+
+It is stable at every sample rate. The projection keeps each estimate inside its bounds after the step; for a box that
+is the nearest admissible point, which is what the continuous operator of the paper's [35] tends to.
+
+The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.py`): their records hold the fields of
+`PREDICTOR_PARAMS` and `PREDICTOR_STATE`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uavftc.control.rbf import NODES
+from uavftc.linear3 import multiply, multiply_transposed, solve
+from uavftc.stage import law
+
+PREDICTOR_PARAMS = [
+    ("h", "f8"),  # sample time, s
+    ("A_m", "f8", (3, 3)),  # reference model, 1/s
+    ("B_m", "f8", (3, 3)),  # input matrix, 1/s^2
+    ("A_s", "f8", (3, 3)),  # A_m + K_1
+    ("P_B_m", "f8", (3, 3)),  # P B_m
+    ("Gamma", "f8"),  # adaptation gain
+    ("omega_min", "f8"),  # projection bounds of omega_hat
+    ("omega_max", "f8"),
+    ("W_max", "f8"),  # bound of |W_hat|, each element, rad
+    ("eps_max", "f8"),  # bound of |eps_hat|, each element, rad
+    ("centres", "f8", (NODES,)),
+    ("width", "f8"),
+    ("psi_0", "f8"),  # heading at the start, rad
+]
+PREDICTOR_STATE = [
+    ("started", "f8"),
+    ("x2_hat", "f8", (3,)),  # rad/s
+    ("x2_tilde", "f8", (3,)),  # rad/s
+    ("omega_hat", "f8", (3,)),
+    ("W_hat", "f8", (NODES, 3)),  # rad
+    ("eps_hat", "f8", (3,)),  # rad
+    ("v_ad", "f8", (3,)),  # adaptive command applied over the step, rad
+    ("Phi", "f8", (NODES,)),  # regressor of the previous sample
+    ("M", "f8", (3, 3)),  # matrix of the implicit step
+]
+
+
+@law
+def clipped(value, low, high):
+    """Return the value limited to [low, high]; nan stays nan."""
+    return low if value < low else (high if value > high else value)
+
+
+@law
+def start(s, x2):
+    """Begin: the predictor at the measurement, no uncertainty assumed, no command."""
+    for i in range(3):
+        s.x2_hat[i] = x2[i]
+        s.omega_hat[i] = 1.0
+    s.started = 1.0
+
+
+@law
+def lumped(s, i):
+    """Return channel i of W_hat^T Phi + eps_hat, rad."""
+    total = s.eps_hat[i]
+    for n in range(NODES):
+        total += s.W_hat[n, i] * s.Phi[n]
+    return total
+
+
+@law
+def advance(p, s, x2):
+    """Advance predictor and estimates over one step to the sample at which x2, rad/s, was measured.
+
+    `s.v_ad` and `s.Phi` are those of the step; the caller updates both afterwards.
+    """
+    h, v = p.h, s.v_ad
+    square = 1.0
+    for n in range(NODES):
+        square += s.Phi[n] * s.Phi[n]
+    eta_hat = (
+        s.omega_hat[0] * v[0] + lumped(s, 0),
+        s.omega_hat[1] * v[1] + lumped(s, 1),
+        s.omega_hat[2] * v[2] + lumped(s, 2),
+    )
+    model = multiply(p.A_m, x2)
+    input_ = multiply(p.B_m, eta_hat)
+    right = (
+        s.x2_hat[0] - x2[0] + h * (model[0] + input_[0]),
+        s.x2_hat[1] - x2[1] + h * (model[1] + input_[1]),
+        s.x2_hat[2] - x2[2] + h * (model[2] + input_[2]),
+    )
+    for i in range(3):
+        for j in range(3):
+            adapted = 0.0
+            for m in range(3):
+                adapted += p.B_m[i, m] * (square + v[m] * v[m]) * p.P_B_m[j, m]
+            s.M[i, j] = (1.0 if i == j else 0.0) - h * p.A_s[i, j] + h * h * p.Gamma * adapted
+    x2_tilde = solve(s.M, right)
+    rate = multiply_transposed(p.P_B_m, x2_tilde)
+    for i in range(3):
+        s.x2_tilde[i] = x2_tilde[i]
+        s.x2_hat[i] = x2[i] + x2_tilde[i]
+        change = h * p.Gamma * rate[i]
+        s.omega_hat[i] = clipped(s.omega_hat[i] - change * v[i], p.omega_min, p.omega_max)
+        s.eps_hat[i] = clipped(s.eps_hat[i] - change, -p.eps_max, p.eps_max)
+        for n in range(NODES):
+            s.W_hat[n, i] = clipped(s.W_hat[n, i] - change * s.Phi[n], -p.W_max, p.W_max)
+
+
+def params_of(dtype: np.dtype, **values: object) -> np.ndarray:
+    """Return one parameter record of `dtype`, shape (1,), every field given by keyword.
+
+    Raises
+    ------
+    TypeError
+        If a field is missing or unknown.
+    """
+    names = set(dtype.names or ())
+    if names != set(values):
+        raise TypeError(f"parameters {sorted(names ^ set(values))} are missing or unknown")
+    record = np.zeros(1, dtype)
+    for name, value in values.items():
+        record[name] = value
+    return record

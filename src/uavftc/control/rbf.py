@@ -1,0 +1,39 @@
+"""Gaussian radial basis functions of eq. (10), the "6-5-1" networks of section 4.
+
+    Phi_i(z) = exp(-|z - l_i|^2 / (2 k^2)),   i = 1..5,   z = [x1; x2] (6,)
+
+The paper gives one centre value a node, the same in all six inputs: l = [-0.2, -0.1, 0, 0.1, 0.2]; width k = 0.4.
+The heading enters relative to the initial heading, or Phi would vanish on every other one (the paper starts at 0).
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from uavftc.stage import law
+
+NODES = 5
+
+
+@law
+def basis(x1, x2, psi_0, centres, width, Phi):
+    """Write the basis functions into `Phi`, shape (5,).
+
+    Parameters
+    ----------
+    x1, x2
+        Attitude and body rates, (3,), rad and rad/s.
+    psi_0
+        Heading at the start, rad.
+    centres, width
+        l, shape (5,), and k of eq. (10), both in the units of z.
+    Phi
+        Output, shape (5,).
+    """
+    for i in range(NODES):
+        square = (x1[2] - psi_0 - centres[i]) ** 2
+        for j in range(2):
+            square += (x1[j] - centres[i]) ** 2
+        for j in range(3):
+            square += (x2[j] - centres[i]) ** 2
+        Phi[i] = exp(-square / (2.0 * width * width))

@@ -1,0 +1,104 @@
+"""The analytic plant: the paper's rotational model, eqs. (1) to (7).
+
+    x1' = g1(x1) x2 + d1
+    x2' = gyroscopic(x2) + A_l x2 + B_m u2 + d2
+
+with u2 the deflections after saturation and faults. A_l and B_m are the linear pair of the aircraft's companion file
+(for hale A_l = A_m: the only linear pair that the paper prints). Integrated by the classical Runge-Kutta rule of
+fourth order; the inputs are held over a sample, the change of command inside a sample (delay of a part of one) is met
+exactly by splitting the sample there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uavftc.kinematics import attitude_rates
+from uavftc.linear3 import multiply
+from uavftc.plants.rigid_body import gyroscopic
+from uavftc.stage import NOTHING, Stage, carray, law
+
+PARAMS = np.dtype(
+    [
+        ("h", "f8"),  # sample time, s
+        ("substeps", "i8"),  # Runge-Kutta steps a sample, and as many again where the command changes inside it
+        ("switch", "f8"),  # part of a sample after which u2_late applies
+        ("c", "f8", (9,)),  # coefficients of eq. (2)
+        ("A_l", "f8", (3, 3)),  # 1/s
+        ("B_m", "f8", (3, 3)),  # 1/s^2
+    ]
+)
+STATE = np.dtype([("x1", "f8", (3,)), ("x2", "f8", (3,))])  # rad, rad/s
+
+
+@law
+def derivative(p, x1, x2, u2, d1, d2):
+    """Return (x1_dot, x2_dot), three values each, rad/s and rad/s^2 (eq. 7)."""
+    kinematic = attitude_rates(x1, x2)
+    coupling = gyroscopic(p.c, x2)
+    damping = multiply(p.A_l, x2)
+    control = multiply(p.B_m, u2)
+    return (
+        (kinematic[0] + d1[0], kinematic[1] + d1[1], kinematic[2] + d1[2]),
+        (
+            coupling[0] + damping[0] + control[0] + d2[0],
+            coupling[1] + damping[1] + control[1] + d2[1],
+            coupling[2] + damping[2] + control[2] + d2[2],
+        ),
+    )
+
+
+@law
+def moved(x, x_dot, h):
+    """Return x + h x_dot, three values."""
+    return x[0] + h * x_dot[0], x[1] + h * x_dot[1], x[2] + h * x_dot[2]
+
+
+@law
+def integrate(p, s, u2, d1, d2, h, steps):
+    """Advance the state by h seconds in `steps` Runge-Kutta steps under constant inputs."""
+    dt = h / steps
+    for _ in range(steps):
+        x1 = (s.x1[0], s.x1[1], s.x1[2])
+        x2 = (s.x2[0], s.x2[1], s.x2[2])
+        a1, a2 = derivative(p, x1, x2, u2, d1, d2)
+        b1, b2 = derivative(p, moved(x1, a1, 0.5 * dt), moved(x2, a2, 0.5 * dt), u2, d1, d2)
+        c1, c2 = derivative(p, moved(x1, b1, 0.5 * dt), moved(x2, b2, 0.5 * dt), u2, d1, d2)
+        e1, e2 = derivative(p, moved(x1, c1, dt), moved(x2, c2, dt), u2, d1, d2)
+        for i in range(3):
+            s.x1[i] = x1[i] + dt / 6.0 * (a1[i] + 2.0 * b1[i] + 2.0 * c1[i] + e1[i])
+            s.x2[i] = x2[i] + dt / 6.0 * (a2[i] + 2.0 * b2[i] + 2.0 * c2[i] + e2[i])
+
+
+@law
+def observe(s, row):
+    """Write the state into the row; a rotational model has no air data."""
+    for i in range(3):
+        row.x1[i] = s.x1[i]
+        row.x2[i] = s.x2[i]
+    row.airspeed = np.nan
+    row.altitude = np.nan
+    row.height = np.nan
+    row.alpha = np.nan
+    row.beta = np.nan
+    row.throttle = np.nan
+
+
+@law
+def step(p, s, row):
+    """Advance the state over one sample under the deflections of the row."""
+    if p.switch > 0.0:
+        integrate(p, s, row.u2, row.d1, row.d2, p.switch * p.h, p.substeps)
+    integrate(p, s, row.u2_late, row.d1, row.d2, (1.0 - p.switch) * p.h, p.substeps)
+
+
+@Stage(NOTHING, STATE)
+def observe_stage(p, s, row):
+    """Entry."""
+    observe(carray(s, 1)[0], carray(row, 1)[0])
+
+
+@Stage(PARAMS, STATE)
+def stage(p, s, row):
+    """Entry."""
+    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
