@@ -94,6 +94,23 @@ class Block(NamedTuple):
     state: np.ndarray
 
 
+def params_of(dtype: np.dtype, **values: object) -> np.ndarray:
+    """Return one parameter record of `dtype`, shape (1,), every field given by keyword.
+
+    Raises
+    ------
+    TypeError
+        If a field is missing or unknown.
+    """
+    names = set(dtype.names or ())
+    if names != set(values):
+        raise TypeError(f"parameters {sorted(names ^ set(values))} are missing or unknown")
+    record = np.zeros(1, dtype)
+    for name, value in values.items():
+        record[name] = value
+    return record
+
+
 class Program:
     """Blocks run in order on every row: one compiled call for any number of rows."""
 
@@ -198,4 +215,4 @@ def compile_cache() -> Iterator[None]:
         numba.config.CACHE_DIR = before
 
 
-__all__ = ["NOTHING", "RAW", "Block", "Program", "Stage", "carray", "compile_cache", "is_compiled", "law"]
+__all__ = ["NOTHING", "RAW", "Block", "Program", "Stage", "carray", "compile_cache", "is_compiled", "law", "params_of"]

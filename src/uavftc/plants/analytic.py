@@ -11,12 +11,15 @@ exactly by splitting the sample there.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from uavftc.kinematics import attitude_rates
 from uavftc.linear3 import multiply
-from uavftc.plants.rigid_body import gyroscopic
-from uavftc.stage import NOTHING, Stage, carray, law
+from uavftc.plants.interface import Timing
+from uavftc.plants.rigid_body import coefficients, gyroscopic
+from uavftc.stage import NOTHING, Block, Program, Stage, carray, law, params_of
 
 PARAMS = np.dtype(
     [
@@ -76,6 +79,7 @@ def observe(s, row):
     for i in range(3):
         row.x1[i] = s.x1[i]
         row.x2[i] = s.x2[i]
+        row.wind_n[i] = np.nan
     row.airspeed = np.nan
     row.altitude = np.nan
     row.height = np.nan
@@ -102,3 +106,47 @@ def observe_stage(p, s, row):
 def stage(p, s, row):
     """Entry."""
     step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+
+
+class AnalyticPlant:
+    """The model as a plant; it starts at zero attitude and rates and needs no trim.
+
+    Parameters
+    ----------
+    inertia
+        J, shape (3, 3), kg m^2, matrix signs.
+    A_l, B_m
+        Linear pair, shape (3, 3), 1/s and 1/s^2.
+    timing
+        Sample time and substeps.
+    """
+
+    def __init__(self, inertia: np.ndarray, A_l: np.ndarray, B_m: np.ndarray, timing: Timing) -> None:
+        self.x1_trim = np.zeros(3)
+        self.surface_trim = np.zeros(3)
+        self.settings: dict[str, Any] = {
+            "integrator": "Runge-Kutta 4",
+            "step_s": timing.h / timing.substeps,
+        }
+        self._state = np.zeros(1, STATE)
+        self._params = params_of(
+            PARAMS,
+            h=timing.h,
+            substeps=timing.substeps,
+            switch=timing.switch,
+            c=coefficients(inertia),
+            A_l=A_l,
+            B_m=B_m,
+        )
+
+    def before(self) -> list[Block]:
+        """Return the block that writes the state into the row."""
+        return [observe_stage.block(state=self._state)]
+
+    def after(self) -> list[Block]:
+        """Return the block that integrates over a sample."""
+        return [stage.block(self._params, self._state)]
+
+    def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
+        """Fly rows `first` to `last - 1` in one compiled call."""
+        return program.run(rows, first, last)

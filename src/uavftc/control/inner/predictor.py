@@ -118,20 +118,3 @@ def advance(p, s, x2):
         s.eps_hat[i] = clipped(s.eps_hat[i] - change, -p.eps_max, p.eps_max)
         for n in range(NODES):
             s.W_hat[n, i] = clipped(s.W_hat[n, i] - change * s.Phi[n], -p.W_max, p.W_max)
-
-
-def params_of(dtype: np.dtype, **values: object) -> np.ndarray:
-    """Return one parameter record of `dtype`, shape (1,), every field given by keyword.
-
-    Raises
-    ------
-    TypeError
-        If a field is missing or unknown.
-    """
-    names = set(dtype.names or ())
-    if names != set(values):
-        raise TypeError(f"parameters {sorted(names ^ set(values))} are missing or unknown")
-    record = np.zeros(1, dtype)
-    for name, value in values.items():
-        record[name] = value
-    return record

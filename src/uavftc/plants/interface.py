@@ -1,0 +1,42 @@
+"""What every plant offers the flight loop."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from uavftc.stage import Block, Program
+
+
+class Timing(NamedTuple):
+    """How a plant's time advances."""
+
+    h: float
+    """Sample time of the controller, s."""
+    substeps: int
+    """Plant steps a sample."""
+    switch: float
+    """Part of a sample after which `u2_late` applies, in [0, 1); see `actuators/delay.py`."""
+
+
+class Plant(Protocol):
+    """A vehicle: it writes its state into each row, and moves on under the deflections it finds there."""
+
+    x1_trim: np.ndarray
+    """Attitude of the trim, shape (3,), rad: references and the heading of the networks count from here."""
+
+    surface_trim: np.ndarray
+    """Deflections at trim, shape (3,), rad."""
+
+    settings: dict[str, Any]
+    """How it is integrated and started; recorded with the results."""
+
+    def before(self) -> list[Block]:
+        """Return the blocks that run at the start of a row, before the controller."""
+
+    def after(self) -> list[Block]:
+        """Return the blocks that run at the end of a row, after the actuators."""
+
+    def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
+        """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""

@@ -1,0 +1,1 @@
+"""The JSBSim plant: the only part of the project that imports jsbsim."""

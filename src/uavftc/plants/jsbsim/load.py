@@ -1,0 +1,215 @@
+"""Strict loading of a JSBSim aircraft.
+
+JSBSim lets several typing errors pass: an unknown element leaves a mass or an inertia at zero, an unknown operator
+leaves a line in the log. Here any message of level WARN or worse, any unknown element where a mistake would pass in
+silence, and any difference from the mass properties of the companion file is an `InputError`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import threading
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+import jsbsim
+import numpy as np
+
+from uavftc.aircraft import Aircraft
+from uavftc.errors import InputError
+from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
+
+_WARN, _FATAL = int(jsbsim.LogLevel.WARN), int(jsbsim.LogLevel.FATAL)
+
+# Children that JSBSim reads; it passes over any other without a word, which loses a mass or an inertia.
+_KNOWN_CHILDREN = {
+    "mass_balance": frozenset(
+        "ixx iyy izz ixy ixz iyz emptywt location pointmass documentation description".split()
+    ),
+    "metrics": frozenset(
+        "wingarea wingspan wing_incidence chord htailarea htailarm vtailarea vtailarm location documentation "
+        "description".split()
+    ),
+}
+
+
+class _Log(jsbsim.FGLogger):
+    """Keeps what JSBSim says instead of printing it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.records: list[list[Any]] = []
+
+    def set_level(self, level: Any) -> None:
+        self.records.append([int(level), ""])
+        del self.records[:-200]  # a model that complains at every step must not fill the memory
+
+    def file_location(self, filename: str, line: int) -> None:
+        self.records[-1][1] += f"{filename}, line {line}: "
+
+    def message(self, message: str) -> None:
+        self.records[-1][1] += message
+
+    def format(self, _format: Any) -> None:
+        """Ignore colours."""
+
+    def flush(self) -> None:
+        """Keep the record as it is."""
+
+    def complaints(self) -> list[str]:
+        return [" ".join(text.split()) for level, text in self.records if _WARN <= level <= _FATAL]
+
+
+_log: _Log | None = None
+
+
+def _quiet_log() -> _Log:
+    """Return the log, installed at the first call; JSBSim crashes when that happens off the main thread."""
+    global _log  # noqa: PLW0603 - one logger a process is JSBSim's own rule
+    if _log is None:
+        if threading.current_thread() is not threading.main_thread():
+            raise RuntimeError("JSBSim must be loaded for the first time on the main thread of the process")
+        _log = _Log()
+        jsbsim.set_logger(_log)
+    _log.records.clear()
+    return _log
+
+
+def load(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
+    """Return a fresh FDM with the aircraft loaded at frame time dt, s; nothing is initialised yet.
+
+    Raises
+    ------
+    InputError
+        If JSBSim cannot read the aircraft or complains about it.
+    """
+    folder, name = aircraft.folder, aircraft.folder.name
+    check_elements(aircraft.xml)
+    log = _quiet_log()
+    fdm = jsbsim.FGFDMExec(str(folder.parent))
+    fdm.set_debug_level(0)
+    fdm.set_aircraft_path(str(folder.parent))
+    fdm.set_engine_path(str(folder / "engine"))
+    fdm.set_systems_path(str(folder / "systems"))
+    fdm.set_dt(dt)  # before load_model: the FCS components keep the frame time they are loaded with
+    try:
+        loaded = fdm.load_model(name)
+        if loaded and aircraft.planet is not None:
+            loaded = fdm.load_planet(str(folder / aircraft.planet), False)
+    except jsbsim.BaseError as error:
+        raise _unreadable(aircraft, [*log.complaints(), str(error)]) from None
+    if not loaded or log.complaints():
+        raise _unreadable(aircraft, log.complaints())
+    return fdm
+
+
+def _unreadable(aircraft: Aircraft, complaints: Iterable[str]) -> InputError:
+    told = list(dict.fromkeys(" ".join(c.split()) for c in complaints)) or ["no reason given"]
+    return InputError(
+        f"aircraft {aircraft.name}, {aircraft.xml}",
+        found=f"JSBSim does not load it: {' | '.join(told)}",
+        expected="an aircraft that JSBSim loads without a warning",
+        remedy="correct the XML at the place named",
+    )
+
+
+def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
+    """Compare what JSBSim holds after `run_ic` with the companion file.
+
+    Raises
+    ------
+    InputError
+        If JSBSim complained since the load, a mass property differs by more than 1e-6, or a property that the
+        companion file names does not exist.
+    """
+    if _log is not None and _log.complaints():
+        raise _unreadable(aircraft, _log.complaints())
+    for what, (found, claimed, unit) in mass_properties(aircraft, fdm).items():
+        scale = np.max(np.abs(claimed))
+        if not np.max(np.abs(np.subtract(found, claimed))) <= 1e-6 * scale:
+            raise InputError(
+                f"aircraft {aircraft.name}, {aircraft.xml}",
+                found=f"{what}: JSBSim holds {_numbers(found)} {unit}",
+                expected=f"{_numbers(claimed)} {unit}, as {aircraft.companion.name} says",
+                remedy="correct the XML (JSBSim passes over an element whose name it does not know) or the "
+                "companion file; give inertias in SLUG*FT2, JSBSim's own KG*M2 factor is 9e-5 off",
+            )
+    manager = fdm.get_property_manager()
+    for key, name in aircraft.properties():
+        if manager.get_node(name) is None:
+            raise InputError(
+                f"aircraft {aircraft.name}, {aircraft.companion}, key {key}",
+                found=name,
+                expected="a property that the loaded aircraft has",
+                remedy="correct the name, or define the property in the aircraft's XML",
+            )
+
+
+def mass_properties(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> dict[str, tuple[Any, Any, str]]:
+    """Return (loaded, claimed, unit) of mass, inertia, wing area, span and chord, in SI."""
+    claimed = aircraft.mass_properties
+    J = np.array(fdm.get_mass_balance().get_J()) * SLUGFT2_KGM2
+    return {
+        "mass": (fdm["inertia/mass-slugs"] * SLUG_KG, claimed.mass_kg, "kg"),
+        "inertia": (J, np.array(claimed.inertia_kgm2), "kg m^2"),
+        "wing area": (fdm["metrics/Sw-sqft"] * FT_M**2, claimed.wing_area_m2, "m^2"),
+        "span": (fdm["metrics/bw-ft"] * FT_M, claimed.span_m, "m"),
+        "chord": (fdm["metrics/cbarw-ft"] * FT_M, claimed.chord_m, "m"),
+    }
+
+
+def _numbers(value: Any) -> str:
+    return np.array2string(np.asarray(value), precision=9, separator=", ").replace("\n", "")
+
+
+def check_elements(xml: Path) -> None:
+    """Check the XML for mistakes that JSBSim does not report.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or parsed, its root is not `fdm_config`, or `metrics` or `mass_balance` hold an
+        element that JSBSim would pass over.
+    """
+    open_elements: list[str] = []
+    parser = expat.ParserCreate()
+
+    def start(tag: str, _attributes: dict[str, str]) -> None:
+        line = parser.CurrentLineNumber
+        if not open_elements and tag != "fdm_config":
+            raise _element_error(xml, line, tag, "the document's root", ["fdm_config"])
+        if len(open_elements) == 2 and tag not in _KNOWN_CHILDREN.get(open_elements[1], {tag}):
+            raise _element_error(xml, line, tag, f"a child of <{open_elements[1]}>", _KNOWN_CHILDREN[open_elements[1]])
+        open_elements.append(tag)
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda _tag: open_elements.pop()
+    try:
+        parser.Parse(xml.read_bytes(), True)
+    except OSError as error:
+        raise InputError(
+            f"aircraft file {xml}",
+            found=error.strerror or str(error),
+            expected="a JSBSim aircraft definition",
+            remedy="check the path and its permissions",
+        ) from None
+    except expat.ExpatError as error:
+        raise InputError(
+            f"aircraft file {xml}, line {error.lineno}",
+            found=f"malformed XML: {expat.errors.messages[error.code]}",
+            expected="well-formed XML",
+            remedy="close and nest the elements around this line properly",
+        ) from None
+
+
+def _element_error(xml: Path, line: int, tag: str, place: str, known: Iterable[str]) -> InputError:
+    names = sorted(known)
+    near = difflib.get_close_matches(tag, names, 1)
+    return InputError(
+        f"aircraft file {xml}, line {line}",
+        found=f"<{tag}> as {place}",
+        expected=f"one of: {', '.join(names)}",
+        remedy=f"write <{near[0]}>" if near else "rename or remove the element; JSBSim would pass over it",
+    )

@@ -1,0 +1,242 @@
+"""The figures of one flight, in the order of the paper: tracking, control outputs, estimates; and the air.
+
+Drawn with matplotlib's object interface, which touches neither a display nor the user's own settings. Importing this
+module imports matplotlib (0.7 s), so import it where figures are wanted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from uavftc.report import panels
+from uavftc.report.panels import BLACK, BLUE, GREEN, PURPLE, SKY, VERMILLION
+from uavftc.signals import AXES, SURFACES
+
+_BAND_DEG = 0.02  # deg, the band of the convergence time
+_ANGLES, _RATES = ("phi", "theta", "psi"), ("p", "q", "r")
+_LARGEST = 1e9  # beyond it, the end of a diverged flight is not drawn: it would overflow the axes
+_LETTERS = "abcdefghi"
+_REFERENCE = {"color": BLACK, "linestyle": (0, (5, 3)), "linewidth": 1.3, "zorder": 3}
+
+History = Mapping[str, np.ndarray]
+
+
+class FaultWindow(NamedTuple):
+    """A fault on one surface from `start_s` to `end_s` (may reach past the flight), and what to write into it."""
+
+    surface: str
+    start_s: float
+    end_s: float
+    label: str
+
+
+@dataclass(frozen=True)
+class FigureContext:
+    """What the figures show beside the history."""
+
+    title: str
+    limits_rad: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
+    """Least and greatest deflection about trim of each surface, rad; None or absent where there is no limit."""
+    faults: Sequence[FaultWindow] = ()
+    disturbances_s: Sequence[float] = ()
+    """Times at which a disturbance begins, ends or changes, s."""
+    wind: bool = False
+    """Whether the scenario has wind; without it, the figure of the air shows the throttle in its place."""
+
+
+def fault_label(effectiveness: float | str, bias_deg: float | str = 0.0) -> str:
+    """Return a label that fits a fault's window: what multiplies the deflection, and what is added to it."""
+    bias = "" if bias_deg in (0, "0") else f"\nbias {bias_deg} deg"
+    return f"ω = {effectiveness}{bias}"
+
+
+def write_figures(folder: Path, history: History, context: FigureContext) -> list[Path]:
+    """Write tracking.png, control.png, estimates.png and, if there is an airspeed, air.png; return their paths.
+
+    Parameters
+    ----------
+    folder
+        Where to; made if it is missing (its parent must be there).
+    history
+        Published columns (`signals.COLUMNS`), name to shape (n,), SI and rad, NaN where there is none; a column that
+        is absent is drawn as empty.
+    """
+    draw: dict[str, Callable[[History, FigureContext], Figure]] = {
+        "tracking": tracking, "control": control, "estimates": estimates
+    }  # fmt: skip
+    if np.isfinite(history.get("airspeed_mps", np.empty(0))).any():
+        draw["air"] = air
+    folder.mkdir(exist_ok=True)
+    paths = []
+    with panels.style():
+        for name, figure in draw.items():
+            paths.append(folder / f"{name}.png")
+            figure(history, context).savefig(paths[-1])
+    return paths
+
+
+def tracking(history: History, context: FigureContext) -> Figure:
+    """Attitude against its reference, left, and the error against the 0.02 deg band, right (paper, figures 3, 6, 9)."""
+    t = history["time_s"]
+    fig, axes = panels.new_figure(context.title, 3, 2, (11.0, 8.6))
+    panels.fit_t(axes[0, 0], t)
+    for i, angle in enumerate(_ANGLES):
+        left, right = axes[i]
+        actual, reference = _deg(history, f"{angle}_rad"), _deg(history, f"{angle}_ref_rad")
+        drawn = [
+            panels.curve(left, t, actual, color=BLUE, label="attitude"),
+            panels.curve(left, t, reference, label="reference", **_REFERENCE),
+        ]
+        panels.fit_y(left, drawn, least=0.5)
+        _name(left, 2 * i, f"{AXES[i]} angle", rf"$\{angle}$ [deg]")
+
+        error = np.abs(reference - actual)
+        right.set_yscale("log")
+        panels.curve(right, t, np.maximum(error, 1e-6), color=BLUE)
+        right.axhspan(1e-9, _BAND_DEG, color=GREEN, alpha=0.15, linewidth=0, label=f"within {_BAND_DEG} deg")
+        greatest = np.max(error, initial=1.0, where=np.isfinite(error))
+        right.set_ylim(1e-3, 2.0 * greatest)
+        panels.mark_entry(right, t, error, _BAND_DEG)
+        _name(right, 2 * i + 1, f"{AXES[i]} error", "|error| [deg]")
+        for ax in (left, right):
+            panels.shade(ax, _merged(context.faults), name="fault on a surface", written=False)
+    panels.legends(axes)
+    return fig
+
+
+def control(history: History, context: FigureContext) -> Figure:
+    """Commanded and actual body rates, left; commanded and actual deflection, right (figures 4, 7, 10)."""
+    t = history["time_s"]
+    fig, axes = panels.new_figure(context.title, 3, 2, (11.0, 8.6))
+    panels.fit_t(axes[0, 0], t)
+    for i, (rate, surface) in enumerate(zip(_RATES, SURFACES, strict=True)):
+        left, right = axes[i]
+        drawn = [
+            panels.curve(left, t, _deg(history, f"{rate}_radps"), color=BLUE, label="actual"),
+            panels.curve(left, t, _deg(history, f"{rate}_ref_radps"), label="outer-loop command $v_1$", **_REFERENCE),
+        ]
+        panels.fit_y(left, drawn, least=0.2)
+        _name(left, 2 * i, f"{AXES[i]} rate", f"${rate}$ [deg/s]")
+
+        drawn = [
+            panels.curve(
+                right, t, _deg(history, f"{surface}_cmd_rad"), color=VERMILLION, label="command $v_2$", linewidth=2.6
+            ),
+            panels.curve(
+                right, t, _deg(history, f"{surface}_rad"), color=BLUE, label="after limits and faults", linewidth=1.3
+            ),
+        ]
+        windows = [w[1:] for w in context.faults if w.surface == surface]
+        drawn += panels.limits(right, drawn, _limits_deg(context, surface))
+        panels.fit_y(right, drawn, least=0.2, headroom=panels.shade(right, windows, name="fault"))
+        _name(right, 2 * i + 1, surface, "deflection [deg]")
+    panels.legends(axes)
+    return fig
+
+
+def estimates(history: History, context: FigureContext) -> Figure:
+    """Disturbance estimates of both loops, and the effectiveness of each surface (figures 5, 8, 11)."""
+    t = history["time_s"]
+    fig, axes = panels.new_figure(context.title, 3, 3, (14.0, 8.6))
+    panels.fit_t(axes[0, 0], t)
+    for i, (angle, rate, surface) in enumerate(zip(_ANGLES, _RATES, SURFACES, strict=True)):
+        outer, inner, actuator = axes[i]
+        _pair(outer, t, _deg(history, f"d1_hat_{angle}_radps"), _deg(history, f"d1_{angle}_radps"), least=0.1)
+        _name(outer, 3 * i, f"outer loop, {AXES[i]}", rf"$d_{{1,\{angle}}}$ [deg/s]")
+        # The lumped estimate answers for all that the model lacks, so it must not be read as an error of d_2.
+        look = {"label": r"lumped estimate $\hat f$: $d_2$, faults, limits, model", "color": PURPLE}
+        _pair(inner, t, _deg(history, f"f_hat_{rate}_radps2"), _deg(history, f"d2_{rate}_radps2"), least=1.0, **look)
+        _name(inner, 3 * i + 1, f"inner loop, {AXES[i]}", rf"$\hat f_{rate}$, $d_{{2,{rate}}}$ [deg/s$^2$]")
+        for ax in (outer, inner):
+            for time in context.disturbances_s:
+                ax.axvline(time, color="#888888", linewidth=0.9, linestyle=":", zorder=1, label="disturbance changes")
+
+        effect = panels.curve(
+            actuator, t, _column(history, f"effectiveness_{surface}"), color=GREEN, label="true effectiveness"
+        )
+        panels.fit_y(actuator, [effect, np.array([0.0, 1.0])], least=1.0)
+        _name(actuator, 3 * i + 2, surface, r"$\omega$ [-]")
+        panels.shade(actuator, [w[1:] for w in context.faults if w.surface == surface], name="fault", written=False)
+    panels.legends(axes)
+    return fig
+
+
+def air(history: History, context: FigureContext) -> Figure:
+    """Airspeed, altitude, flow angles, and wind or throttle."""
+    t = history["time_s"]
+    fig, axes = panels.new_figure(context.title, 2, 2, (11.0, 6.6))
+    panels.fit_t(axes[0, 0], t)
+    speed, height, flow, last = axes.flat
+    panels.fit_y(speed, [panels.curve(speed, t, _column(history, "airspeed_mps"), color=BLUE)], least=1.0)
+    _name(speed, 0, "airspeed", "[m/s]")
+    panels.fit_y(height, [panels.curve(height, t, _column(history, "altitude_m"), color=BLUE)], least=2.0)
+    _name(height, 1, "altitude", "[m]")
+    alpha, beta = _deg(history, "alpha_rad"), _deg(history, "beta_rad")
+    drawn = [
+        panels.curve(flow, t, alpha, color=BLUE, label=r"angle of attack $\alpha$"),
+        panels.curve(flow, t, beta, color=VERMILLION, linestyle="--", label=r"sideslip $\beta$"),
+    ]
+    panels.fit_y(flow, drawn, least=0.5)
+    _name(flow, 2, "flow angles", "[deg]")
+    if context.wind:
+        parts = (("north", SKY, "-"), ("east", GREEN, "--"), ("down", PURPLE, "-."))
+        drawn = [
+            panels.curve(
+                last, t, _column(history, f"wind_{part}_mps"), color=colour, linestyle=dash, label=f"wind {part}"
+            )
+            for part, colour, dash in parts
+        ]
+        panels.fit_y(last, drawn, least=0.5)
+        _name(last, 3, "wind", "[m/s]")
+    else:
+        panels.fit_y(last, [panels.curve(last, t, _column(history, "throttle"), color=BLUE)], least=0.1)
+        _name(last, 3, "throttle", "[-]")
+    panels.legends(axes)
+    return fig
+
+
+def _pair(ax: Axes, t: np.ndarray, estimate: np.ndarray, true: np.ndarray, *, least: float, **look: str) -> None:
+    """Draw an estimate and the truth, on an axis of at least `least`."""
+    if not np.isfinite(estimate).any():
+        panels.note(ax, "this controller makes no estimate")
+    drawn = [
+        panels.curve(ax, t, estimate, **{"color": BLUE, "label": "estimate", **look}),
+        panels.curve(ax, t, true, label="true disturbance", **_REFERENCE),
+    ]
+    panels.fit_y(ax, drawn, least=least)
+
+
+def _limits_deg(context: FigureContext, surface: str) -> tuple[float, ...]:
+    return tuple(np.rad2deg(context.limits_rad.get(surface) or ()))
+
+
+def _merged(faults: Sequence[FaultWindow]) -> list[tuple[float, float, str]]:
+    """Return the times at which some surface is faulty, without overlaps."""
+    spans: list[tuple[float, float, str]] = []
+    for start, end in sorted((w.start_s, w.end_s) for w in faults):
+        if spans and start <= spans[-1][1]:
+            spans[-1] = (spans[-1][0], max(end, spans[-1][1]), "")
+        else:
+            spans.append((start, end, ""))
+    return spans
+
+
+def _name(ax: Axes, index: int, title: str, unit: str) -> None:
+    ax.set_title(f"({_LETTERS[index]}) {title}")
+    ax.set_ylabel(unit)
+
+
+def _column(history: History, name: str) -> np.ndarray:
+    values = history.get(name, np.full(len(history["time_s"]), np.nan))
+    return np.where(np.abs(values) < _LARGEST, values, np.nan)
+
+
+def _deg(history: History, name: str) -> np.ndarray:
+    return np.rad2deg(_column(history, name))

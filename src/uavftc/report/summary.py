@@ -1,0 +1,130 @@
+"""`summary.json`: what came of a flight, in the shape other tools build on.
+
+A number that does not apply is null, never NaN. Wall-clock figures stand under `timing`, the only part that may differ
+between two runs of the same flight.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from collections.abc import Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+METRICS = (
+    "steady_state_error_deg",
+    "convergence_time_s",
+    "iae",
+    "ise",
+    "itae",
+    "itse",
+    "control_activity_rad",
+)
+"""Figures of one axis, in the order they are written; the integrals in rad and s."""
+
+_AXES = ("roll", "pitch", "yaw")  # signals.AXES, without its import of numpy
+_PACKAGES = ("uavftc", "jsbsim", "numpy", "numba")
+
+
+def summary(
+    *,
+    scenario: str,
+    aircraft: str,
+    plant: str,
+    controller: str,
+    completed: bool,
+    ended_because: str | None,
+    ended_at_s: float | None = None,
+    axes: Mapping[str, Mapping[str, float | None]],
+    timing: Mapping[str, float | int],
+    provenance: Mapping[str, Any],
+    warnings: Sequence[str] = (),
+) -> dict[str, Any]:
+    """Return the document of `summary.json`.
+
+    Parameters
+    ----------
+    scenario, aircraft, plant, controller
+        Names, as on the command line.
+    completed
+        Whether the flight reached its end.
+    ended_because, ended_at_s
+        Reason and time (s) of an early end; None when completed.
+    axes
+        For roll, pitch and yaw, the figures named in `METRICS`; None or NaN where one does not apply.
+    timing
+        At least `flight_wall_s`, `controller_steps` and `us_per_controller_step`.
+    provenance
+        As from `provenance`.
+    warnings
+        Remarks for the user, one sentence each.
+
+    Raises
+    ------
+    KeyError
+        If an axis or one of its figures is missing.
+    """
+    return {
+        "scenario": scenario,
+        "aircraft": aircraft,
+        "plant": plant,
+        "controller": controller,
+        "completed": bool(completed),
+        "ended_because": ended_because,
+        "ended_at_s": _plain(ended_at_s),
+        "axes": {axis: {metric: _plain(axes[axis][metric]) for metric in METRICS} for axis in _AXES},
+        "timing": _plain(timing),
+        "warnings": list(warnings),
+        "provenance": _plain(provenance),
+    }
+
+
+def provenance(
+    *, seed: int | None, scenario_sha256: str, aircraft_sha256: str | None, **extra: object
+) -> dict[str, Any]:
+    """Return what the flight was made from: versions, seed and checksums, and whatever else is given.
+
+    A package that is not installed has the version None. Nothing heavy is imported.
+    """
+    versions: dict[str, Any] = {}
+    for package in _PACKAGES:
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            versions[package] = None
+    return {
+        **versions,
+        "python": platform.python_version(),
+        "seed": seed,
+        "scenario_sha256": scenario_sha256,
+        "aircraft_sha256": aircraft_sha256,
+        **extra,
+    }
+
+
+def write_json(path: Path, data: Mapping[str, Any]) -> None:
+    """Write `data` as JSON, indented by 2, keys in the order given.
+
+    Raises
+    ------
+    ValueError
+        If there is a NaN or an infinity in it; nothing is written then.
+    """
+    text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8", newline="\n")
+
+
+def _plain(value: Any) -> Any:
+    """Return `value` as JSON knows it: NumPy numbers and arrays as Python's, what is not finite as None."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,120 @@
+"""The `controller` section: an outer law on the attitude, an inner law on the body rates.
+
+Defaults are the paper's (section 4); lists of three mean [phi, theta, psi] in the outer law and [roll, pitch, yaw] or
+[aileron, elevator, rudder] in the inner one.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from uavftc.scenario.matrices import hurwitz, invertible, positive_definite
+from uavftc.scenario.values import (
+    Matrix3,
+    Model,
+    NonNegative,
+    Number,
+    Positive,
+    PositiveVector3,
+    refusal,
+)
+
+A_M = ((-8.5, 1.2, -3.5), (-1.5, -1.5, -1.0), (-0.02, 0.0, -2.0))  # 1/s, paper section 4
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+ZEROS = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def _bounds(value: tuple[float, float]) -> tuple[float, float]:
+    """The estimate of the effectiveness starts at 1, so 1 must lie within its bounds."""
+    if not 0 < value[0] <= 1 <= value[1] or value[0] == value[1]:
+        raise PydanticCustomError("shape", "{wanted}", {"wanted": "[lower, upper] with 0 < lower <= 1 <= upper"})
+    return value
+
+
+class Rbf(Model):
+    """Radial basis network "6-5-1": five Gaussians over the six inputs [x1; x2], rad and rad/s."""
+
+    centres: tuple[Number, Number, Number, Number, Number] = (-0.2, -0.1, 0.0, 0.1, 0.2)
+    width: Positive = 0.4
+
+
+class NdiOuter(Model):
+    """Nonlinear dynamic inversion, v1 = g1^-1 D (x1c - x1); `bandwidth` is the diagonal of D, rad/s."""
+
+    kind: Literal["ndi"] = "ndi"
+    bandwidth: PositiveVector3 = (0.5, 0.5, 0.5)
+
+
+class NndoNdiOuter(Model):
+    """NDI with the neural network disturbance observer, eqs. (8)-(16): `sigma` in 1/s, `gamma` the learning gain."""
+
+    kind: Literal["nndo-ndi"] = "nndo-ndi"
+    bandwidth: PositiveVector3 = (0.5, 0.5, 0.5)
+    sigma: PositiveVector3 = (0.5, 0.5, 0.5)
+    gamma: Positive = 0.05
+    rbf: Rbf = Rbf()
+
+
+class _AdaptiveInner(Model):
+    """What L1 and MRAC share: state predictor and adaptive laws of eqs. (28)-(31)."""
+
+    adaptation_gain: Positive = 1e5
+    A_m: Matrix3 = A_M
+    K_1: Matrix3 = IDENTITY
+    Q: Matrix3 = IDENTITY
+    B_m: Matrix3 | None = None
+    K_0: Matrix3 = ZEROS
+    effectiveness_bounds: Annotated[tuple[Number, Number], AfterValidator(_bounds)] = (0.1, 2.0)
+    weight_bound: Positive = 50.0
+    offset_bound: Positive = 50.0
+    reference_gain: Literal["plant", "printed"] = "plant"
+    rbf: Rbf = Rbf()
+
+    @model_validator(mode="after")
+    def _matrices(self) -> _AdaptiveInner:
+        problems = [*hurwitz(self.A_m, self.K_1), *positive_definite(self.Q), *invertible(self.B_m)]
+        if problems:
+            raise refusal(problems)
+        return self
+
+
+class L1Inner(_AdaptiveInner):
+    """L1 adaptive control, eqs. (28)-(35); `filter_bandwidth` in rad/s."""
+
+    kind: Literal["l1"] = "l1"
+    filter_bandwidth: Positive = 60.0
+
+
+class MracInner(_AdaptiveInner):
+    """Model reference adaptive control: the same predictor and laws without the low-pass filter."""
+
+    kind: Literal["mrac"] = "mrac"
+
+
+OUTER = {"ndi": NdiOuter, "nndo-ndi": NndoNdiOuter}
+INNER = {"l1": L1Inner, "mrac": MracInner}
+DEFAULT_OUTER, DEFAULT_INNER = "nndo-ndi", "l1"
+
+
+class Controller(Model):
+    """Both loops, the rate at which they run, Hz, and a delay between command and surface, s."""
+
+    outer: Annotated[NdiOuter | NndoNdiOuter, Field(discriminator="kind")] = NndoNdiOuter()
+    inner: Annotated[L1Inner | MracInner, Field(discriminator="kind")] = L1Inner()
+    rate_hz: Annotated[Positive, Field(le=10_000)] = 200.0
+    delay_s: NonNegative = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default_kinds(cls, data: Any) -> Any:
+        """A loop written without its kind has the default one."""
+        if not isinstance(data, dict):
+            return data
+        data = {key: value for key, value in data.items() if not (key in ("outer", "inner") and value is None)}
+        for part, kind in (("outer", DEFAULT_OUTER), ("inner", DEFAULT_INNER)):
+            if isinstance(data.get(part), dict) and "kind" not in data[part]:
+                data[part] = {"kind": kind, **data[part]}
+        return data

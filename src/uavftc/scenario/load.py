@@ -1,0 +1,158 @@
+"""From a file, or the name of a shipped scenario, to a checked `Scenario`."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from uavftc import resources
+from uavftc.errors import InputError, join
+from uavftc.scenario.checks import warnings
+from uavftc.scenario.document import Document, parse
+from uavftc.scenario.explain import describe, explain
+from uavftc.scenario.overrides import apply, controller_spelling, set_controller
+from uavftc.scenario.schema import Scenario
+from uavftc.scenario.text import scenario_text
+
+__all__ = ["MAX_BYTES", "controller_name", "find_scenario", "load_scenario", "scenario_text", "warnings"]
+
+MAX_BYTES = 1_000_000
+
+
+def load_scenario(
+    source: str | Path,
+    *,
+    overrides: Sequence[str] = (),
+    plant: str | None = None,
+    aircraft: str | None = None,
+    controller: str | None = None,
+) -> Scenario:
+    """Read, change and check a scenario.
+
+    Parameters
+    ----------
+    source
+        A YAML file, or the name of a shipped scenario, with or without `.yaml`.
+    overrides
+        ``dotted.key=value`` each, value in YAML; applied in order, after the other options.
+    plant, aircraft
+        Take the place of the file's. A relative path to an aircraft starts at the working directory here, and at the
+        folder of the file when the file has it.
+    controller
+        ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong with the file, an option or the scenario they make; all errors of the scenario at once.
+    """
+    path = find_scenario(source)
+    document = read_document(path)
+    for key, value in (("plant", plant), ("aircraft", aircraft)):
+        if value is not None:
+            document.data[key] = value
+            document.put((key,), f"--{key} {value}")
+    if controller is not None:
+        set_controller(document, controller)
+    for override in overrides:
+        apply(document, override)
+    _resolve_aircraft(document, path.parent)
+    try:
+        return Scenario.model_validate(document.data)
+    except ValidationError as error:
+        raise join(explain(error, document)) from None
+
+
+def controller_name(scenario: Scenario) -> str:
+    """Return the controller's name as `--controller` takes it, such as ``nndondi-l1``."""
+    return controller_spelling(scenario.controller.outer.kind, scenario.controller.inner.kind)
+
+
+def find_scenario(source: str | Path) -> Path:
+    """Return the file of a scenario given as a path or by the name of a shipped one; a file in the way goes first.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    text, path = os.fspath(source), Path(source)
+    try:
+        exists, folder = path.exists(), path.is_dir()
+    except (OSError, ValueError):  # a name no file can have
+        exists = folder = False
+    if exists and not folder:
+        return path
+    names = resources.scenario_names()
+    name = text.removesuffix(".yaml")
+    if name in names:
+        return resources.scenario_dir() / f"{name}.yaml"
+    near = difflib.get_close_matches(path.stem, names, n=1)
+    raise InputError(
+        text[:200] or "SCENARIO",
+        found="a folder" if folder else "no such file",
+        expected=f"a scenario file, or one of {', '.join(names)}",
+        remedy=f"did you mean {near[0]}?" if near else "check the path",
+    )
+
+
+def read_document(path: Path) -> Document:
+    """Return the data of a scenario file with the line of each key, unchecked.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is longer than `MAX_BYTES`, or is no YAML map.
+    """
+    file = str(path)
+    try:
+        with path.open("rb") as stream:
+            raw = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        found = f"a file that cannot be read: {error.strerror or error}"
+        remedy = "check its permissions"
+        raise InputError(file, found=found, expected="a readable scenario file", remedy=remedy) from None
+    if len(raw) > MAX_BYTES:
+        remedy = "give a scenario, not a result or a log"
+        raise InputError(file, found="a longer file", expected=f"at most {MAX_BYTES} bytes", remedy=remedy)
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        where = f"{file}, line {raw.count(10, 0, error.start) + 1}"
+        found = f"the byte 0x{raw[error.start]:02x}, which is not UTF-8"
+        raise InputError(where, found=found, expected="UTF-8 text", remedy="save the file as UTF-8") from None
+    data, places = parse(text, file)
+    if not isinstance(data, dict):
+        found = "an empty file" if data is None else f"{describe(data)} at the top"
+        remedy = "begin with name: and duration_s:, as the shipped scenarios do"
+        raise InputError(f"{file}, line 1", found=found, expected="key: value pairs", remedy=remedy)
+    return Document(data, file, places)
+
+
+def _resolve_aircraft(document: Document, folder: Path) -> None:
+    """Make a path to an aircraft absolute; a name, and one of JSBSim's own (``jsbsim:c172p``), stays as it is."""
+    text = document.data.get("aircraft")
+    if not isinstance(text, str) or not text or text.startswith("jsbsim:") or text in resources.aircraft_names():
+        return
+    place = document.place(("aircraft",))
+    bases = [Path.cwd()] if place.startswith("--") else [folder, Path.cwd()]
+    is_path = any(sep in text for sep in (os.sep, os.altsep) if sep) or text in (".", "..")
+    for base in bases:
+        try:
+            if (base / text).exists() if is_path else (base / text).is_dir():
+                document.data["aircraft"] = str((base / text).resolve())
+                return
+        except (OSError, ValueError):
+            continue
+    if is_path:
+        looked = " and ".join(dict.fromkeys(str(base.resolve()) for base in bases))
+        raise InputError(
+            f"{place}, key aircraft",
+            found=f"{describe(text)}, which does not exist (looked in {looked})",
+            expected="the folder of an aircraft, the name of a shipped one, or jsbsim:NAME",
+            remedy=f"check the path; shipped: {', '.join(resources.aircraft_names())}",
+        )

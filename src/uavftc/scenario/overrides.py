@@ -1,0 +1,126 @@
+"""Changes to a scenario's data before it is checked: ``--set KEY=VALUE`` and ``--controller NAME``."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from typing import Any
+
+from uavftc.errors import InputError
+from uavftc.scenario.controllers import DEFAULT_INNER, DEFAULT_OUTER, INNER, OUTER
+from uavftc.scenario.document import Document, Key, parse
+from uavftc.scenario.values import key_text
+
+_SPELLING = {"ndi": "ndi", "nndo-ndi": "nndondi"}
+CONTROLLERS = {f"{_SPELLING[o]}-{i}": (o, i) for o in OUTER for i in INNER}
+"""Controller names as `--controller` takes them, with the kinds of the outer and inner loop."""
+
+_PART = re.compile(r"([A-Za-z_][A-Za-z0-9_-]*|[0-9]+)((?:\[[0-9]+\])*)")
+
+
+def controller_spelling(outer: str, inner: str) -> str:
+    """Return the name of a pair of kinds: nndo-ndi and l1 are ``nndondi-l1``."""
+    return f"{_SPELLING[outer]}-{inner}"
+
+
+def set_controller(document: Document, name: str) -> None:
+    """Set the two kinds; parameters that a new kind lacks are dropped, the others kept.
+
+    Raises
+    ------
+    InputError
+        If no controller has this name.
+    """
+    if name not in CONTROLLERS:
+        raise InputError(
+            f"--controller {name}",
+            found=f"'{name}'",
+            expected=f"one of {', '.join(CONTROLLERS)}",
+            remedy=_nearest(name, list(CONTROLLERS)) or "use <outer>-<inner>",
+        )
+    if document.data.get("controller") is None:
+        document.data["controller"] = {}
+    section = document.data["controller"]
+    if not isinstance(section, dict):
+        return  # the schema tells what is wrong with it
+    known: tuple[tuple[str, dict[str, Any], str], ...] = (
+        ("outer", OUTER, DEFAULT_OUTER),
+        ("inner", INNER, DEFAULT_INNER),
+    )
+    for (part, models, default), kind in zip(known, CONTROLLERS[name], strict=True):
+        loop = section.get(part)
+        if loop is None:
+            loop = {}
+        if not isinstance(loop, dict):
+            continue
+        old = models.get(str(loop.get("kind", default)))
+        lacking = set(old.model_fields) - set(models[kind].model_fields) if old else set()
+        section[part] = {**{k: v for k, v in loop.items() if k not in lacking}, "kind": kind}
+        document.places[("controller", part, "kind")] = f"--controller {name}"
+
+
+def apply(document: Document, override: str) -> None:
+    """Set one key from ``dotted.key=value``; the value is YAML, missing sections are created.
+
+    Raises
+    ------
+    InputError
+        If the key is no path, leads through something that is neither section nor list, or past the end of a list.
+    """
+    where = f"--set {override[:200]}"
+    text, equals, value_text = override.partition("=")
+    if not equals:
+        raise _error(where, "no '='", "--set KEY=VALUE", "for example --set reference.phi_deg=3")
+    key = _path(text.strip(), where)
+    value, _ = parse(value_text, where, lines=False)
+    target: Any = document.data
+    taken: Key = ()
+    for i, written in enumerate(key):
+        part = _fitting(target, written, taken, where)
+        taken = (*taken, part)
+        if i == len(key) - 1:
+            target[part] = value
+        elif isinstance(target, dict) and target.get(part) is None:
+            target[part] = {}
+        target = target[part]
+    document.put(taken, where)
+
+
+def _path(text: str, where: str) -> Key:
+    key: list[str | int] = []
+    for piece in text.split("."):
+        match = _PART.fullmatch(piece)
+        if match is None:
+            raise _error(where, f"the key '{text}'", "a dotted key", "write it as faults[0].effectiveness")
+        key.append(match[1])
+        key.extend(int(index[:18]) for index in re.findall(r"[0-9]+", match[2]))
+    return tuple(key)
+
+
+def _fitting(target: Any, part: str | int, here: Key, where: str) -> Any:
+    """Return `part` as `target` is indexed: a name in a section, a whole number in a list."""
+    name = key_text(here) or "the scenario"
+    if isinstance(target, list):
+        if not isinstance(part, int) and not part.isdigit():
+            raise _error(where, f"'{part}', where {name} is a list", "an index", f"write {name}[0] for its first entry")
+        if int(part) >= len(target):
+            held = f"{name} has {len(target)} {'entry' if len(target) == 1 else 'entries'}"
+            remedy = f"set the whole list: --set '{name}=[...]'"
+            raise _error(where, f"index {part}; {held}", f"an index below {len(target)}", remedy)
+        return int(part)
+    if isinstance(target, dict):
+        if isinstance(part, int):
+            told = f"index {part}, where {name} holds no list"
+            raise _error(where, told, "the name of a key", f"set the whole list: --set '{name}=[...]'")
+        return part
+    told = f"{name}, which is neither a section nor a list"
+    raise _error(where, told, "a key of the scenario", f"set {name} as a whole")
+
+
+def _error(where: str, found: str, expected: str, remedy: str) -> InputError:
+    return InputError(where, found=found, expected=expected, remedy=remedy)
+
+
+def _nearest(word: str, known: list[str]) -> str | None:
+    near = difflib.get_close_matches(word, known, n=1)
+    return f"did you mean {near[0]}?" if near else None
