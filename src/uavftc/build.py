@@ -127,7 +127,9 @@ def make_plant(scenario: Scenario, aircraft: Aircraft, timing: Timing) -> tuple[
         analytic = AnalyticPlant(inertia, np.array(model.A_l), np.array(model.B_m), timing)
         return analytic, Inputs(scenario, analytic.x1_trim)
     from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415
+    from uavftc.plants.jsbsim.probe import ensure_loads  # noqa: PLC0415
 
+    ensure_loads(aircraft)
     air = Inputs(scenario, np.zeros(3))
     assert scenario.initial.airspeed_mps is not None and scenario.initial.altitude_m is not None  # resolved
     jsbsim = JSBSimPlant(

@@ -41,7 +41,7 @@ def fly(flight: Flight, recorders: Sequence[Recorder] = (), progress: Callable[[
     recorders
         Each takes every row, in order.
     progress
-        Called with the number of rows flown since the last call.
+        Called with the number of rows flown so far.
     """
     total = flight.steps + 1
     rows = empty_rows(min(CHUNK_ROWS, total))
@@ -62,7 +62,7 @@ def fly(flight: Flight, recorders: Sequence[Recorder] = (), progress: Callable[[
                     reached = flight.plant.run(flight.program, rows, flown, stop)
                     lost = reached < stop
                     if progress is not None:
-                        progress(reached - flown)
+                        progress(done + reached)
                     flown = reached
             except KeyboardInterrupt:
                 interrupted = True

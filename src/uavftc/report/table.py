@@ -34,7 +34,8 @@ def metric_table(summary: dict[str, Any]) -> Table:
     for axis in AXES:
         table.add_column(axis, justify="right", min_width=11)
     for label, metric in _ROWS:
-        table.add_row(label, *(_cell(metric, summary["axes"][axis][metric], summary["completed"]) for axis in AXES))
+        cells = (_cell(metric, summary["axes"][axis][metric], summary["completed"]) for axis in AXES)
+        table.add_row(Text(label), *cells)  # as Text: "[deg]" would be taken for markup
     return table
 
 

@@ -19,25 +19,30 @@ from uavftc.scenario.values import (
     Number,
     Positive,
     PositiveVector3,
+    list_of,
     refusal,
 )
 
 A_M = ((-8.5, 1.2, -3.5), (-1.5, -1.5, -1.0), (-0.02, 0.0, -2.0))  # 1/s, paper section 4
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ZEROS = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+BOUNDS = "[lower, upper] with 0 < lower <= 1 <= upper and lower < upper"
 
 
 def _bounds(value: tuple[float, float]) -> tuple[float, float]:
     """The estimate of the effectiveness starts at 1, so 1 must lie within its bounds."""
     if not 0 < value[0] <= 1 <= value[1] or value[0] == value[1]:
-        raise PydanticCustomError("shape", "{wanted}", {"wanted": "[lower, upper] with 0 < lower <= 1 <= upper"})
+        raise PydanticCustomError("shape", "{wanted}", {"wanted": BOUNDS})
     return value
 
 
 class Rbf(Model):
     """Radial basis network "6-5-1": five Gaussians over the six inputs [x1; x2], rad and rad/s."""
 
-    centres: tuple[Number, Number, Number, Number, Number] = (-0.2, -0.1, 0.0, 0.1, 0.2)
+    centres: Annotated[
+        tuple[Number, Number, Number, Number, Number],
+        list_of(5, "a list of five numbers, one centre for each hidden node"),
+    ] = (-0.2, -0.1, 0.0, 0.1, 0.2)
     width: Positive = 0.4
 
 
@@ -67,7 +72,7 @@ class _AdaptiveInner(Model):
     Q: Matrix3 = IDENTITY
     B_m: Matrix3 | None = None
     K_0: Matrix3 = ZEROS
-    effectiveness_bounds: Annotated[tuple[Number, Number], AfterValidator(_bounds)] = (0.1, 2.0)
+    effectiveness_bounds: Annotated[tuple[Number, Number], list_of(2, BOUNDS), AfterValidator(_bounds)] = (0.1, 2.0)
     weight_bound: Positive = 50.0
     offset_bound: Positive = 50.0
     reference_gain: Literal["plant", "printed"] = "plant"

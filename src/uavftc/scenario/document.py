@@ -78,7 +78,10 @@ def parse(text: str, where: str, *, lines: bool = True) -> tuple[Any, dict[Key, 
             node = YAML(typ="safe", pure=True).compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        problem = " ".join(str(error.problem or error.context).split())
+        problem = " ".join(str(error.problem or error.context).split()).removeprefix("found ")[:200]
+        begun = error.context_mark
+        if lines and begun is not None and mark is not None and begun.line < mark.line:
+            problem += f" ({error.context}, begun on line {begun.line + 1})"
         if "another document" in problem:
             problem, remedy = "a second document", "keep one scenario in one file, without '---' between parts"
         elif "'\\t'" in problem:
@@ -120,7 +123,7 @@ class _Reader:
             raise InputError(self.place(node), found=found, expected=limit, remedy=remedy)
         if str(node.tag) not in _TAGS:
             remedy = "remove the tag; numbers, texts, lists and maps need none"
-            raise InputError(self.place(node), found=f"the tag {node.tag}", expected="plain YAML", remedy=remedy)
+            raise InputError(self.place(node), found=f"the tag {str(node.tag)[:80]}", expected="plain YAML", remedy=remedy)
         self.places.setdefault(key, self.place(node))
         if isinstance(node, MappingNode):
             return self._mapping(node, key, depth)

@@ -14,6 +14,7 @@ from uavftc.scenario.expression import KNOWN
 from uavftc.scenario.schema import Scenario
 from uavftc.scenario.values import Problem, key_text
 
+MAX_TOLD = 20  # errors told at once
 _UNITS = {
     "degps2": "deg/s^2",
     "degps": "deg/s",
@@ -36,14 +37,18 @@ _INSTEAD_OF_TURBULENCE = 'use kind: gust, or kind: wind with an expression of t 
 
 def explain(error: ValidationError, document: Document) -> list[InputError]:
     """Return the errors of a scenario in the order of the schema, each with the place of its key in `document`."""
-    told = []
-    for item in error.errors(include_url=False):
+    told: list[InputError] = []
+    items = error.errors(include_url=False)
+    for item in items[:MAX_TOLD]:
         key, model = _locate(item["loc"])
         problems = item.get("ctx", {}).get("problems")
         for problem in problems or [_problem(item, key, model)]:
             full = (*key, *problem.key) if problems else problem.key
             where = f"{document.place(full)}, key {key_text(full)}" if full else document.place(full)
             told.append(InputError(where, found=problem.found, expected=problem.expected, remedy=problem.remedy))
+    if len(items) > MAX_TOLD:
+        more = f"{len(items) - MAX_TOLD} more errors"
+        told.append(InputError(document.file, found=more, expected="none", remedy="mend those above first"))
     return told
 
 
@@ -130,7 +135,7 @@ def _unit(key: Key) -> str:
 
 
 def _unknown(key: Key, model: type[BaseModel]) -> Problem:
-    name, known = str(key[-1]), list(model.model_fields)
+    name, known = str(key[-1]), sorted(model.model_fields, key=lambda field: field != "kind")
     near = difflib.get_close_matches(name, known, n=1)
     remedy = f"did you mean {near[0]}?" if near else "remove it"
     siblings = [k for k, other in _siblings(model).items() if name in other.model_fields]
@@ -138,7 +143,7 @@ def _unknown(key: Key, model: type[BaseModel]) -> Problem:
         remedy = f"remove it: it belongs to kind {' and '.join(siblings)}"
     if model.__name__ == "Gust" and name == "end_s":
         remedy = "remove it: a gust ends by itself, at start_s + 2*ramp_s + hold_s"
-    return Problem(key, f"the unknown key '{name}'", f"one of {', '.join(known)}", remedy)
+    return Problem(key, f"the unknown key {describe(name)}", f"one of {', '.join(known)}", remedy)
 
 
 def _siblings(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
@@ -187,7 +192,8 @@ def describe(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return f"'{value}'" if len(value) <= 60 else f"'{value[:57]}...'"
+        text = value if len(value) <= 60 else f"{value[:57]}..."
+        return f"'{text}'" if text.isprintable() else repr(text)
     if isinstance(value, dict):
         return "a section with the keys " + ", ".join(map(str, list(value)[:8])) if value else "an empty section"
     if isinstance(value, list | tuple):

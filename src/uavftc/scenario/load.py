@@ -93,7 +93,7 @@ def find_scenario(source: str | Path) -> Path:
         return resources.scenario_dir() / f"{name}.yaml"
     near = difflib.get_close_matches(path.stem, names, n=1)
     raise InputError(
-        text[:200] or "SCENARIO",
+        (text if text.isprintable() else repr(text))[:200] or "SCENARIO",
         found="a folder" if folder else "no such file",
         expected=f"a scenario file, or one of {', '.join(names)}",
         remedy=f"did you mean {near[0]}?" if near else "check the path",

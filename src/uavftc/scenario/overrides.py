@@ -82,6 +82,7 @@ def apply(document: Document, override: str) -> None:
             target[part] = value
         elif isinstance(target, dict) and target.get(part) is None:
             target[part] = {}
+            document.put(taken, where)
         target = target[part]
     document.put(taken, where)
 

@@ -50,7 +50,8 @@ def key_text(key: tuple[str | int, ...]) -> str:
     """Return a key path as a user writes it: ``faults[0].effectiveness``."""
     text = ""
     for part in key:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+        name = part if isinstance(part, int) or (part.isprintable() and len(part) <= 60) else repr(part[:60])
+        text += f"[{name}]" if isinstance(part, int) else f".{name}" if text else str(name)
     return text
 
 
@@ -74,9 +75,18 @@ def _three(value: Any) -> Any:
     return tuple(value)
 
 
+def list_of(n: int, wanted: str) -> BeforeValidator:
+    """Return the validator that admits only a list of `n`; an error tells what was `wanted`."""
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, list | tuple) or len(value) != n:
+            raise PydanticCustomError("shape", "{wanted}", {"wanted": wanted})
+        return tuple(value)
+
+    return BeforeValidator(check)
+
+
 def _matrix(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
     rows = value if isinstance(value, list | tuple) else ()
     if len(rows) != 3 or any(not isinstance(row, list | tuple) or len(row) != 3 for row in rows):
         wanted = "a 3x3 matrix: a list of three rows of three numbers"

@@ -1,0 +1,76 @@
+"""`uavftc-fly SCENARIO`, also `uavftc fly`: fly a scenario and write its result folder."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+
+def fly(
+    scenario: Annotated[
+        str,
+        typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3)."),
+    ],
+    plant: Annotated[Optional[str], typer.Option(help="jsbsim or analytic.")] = None,  # noqa: UP045
+    aircraft: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="Name of a shipped aircraft, or the folder of one."),
+    ] = None,
+    controller: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="nndondi-l1, ndi-l1, nndondi-mrac or ndi-mrac."),
+    ] = None,
+    overrides: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
+    ] = None,
+    out: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(metavar="DIR", help="Result folder; default results/<scenario>-<controller>-<plant>."),
+    ] = None,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Fly SCENARIO and write table, history and figures of the flight.
+
+    Exit code 0: flown to the end. 2: the input is wrong, nothing is written. 3: the vehicle was lost, the flight up
+    to there is written. 130: Ctrl-C, the flight up to there is written.
+    """
+    from uavftc.scenario.load import load_scenario  # noqa: PLC0415 - what a bad option does not need is not imported
+
+    loaded = load_scenario(
+        scenario, overrides=overrides or (), plant=plant, aircraft=aircraft, controller=controller
+    )
+    folder = out if out is not None else default_folder(loaded, named_aircraft=aircraft is not None)
+
+    from uavftc.mission import fly_mission  # noqa: PLC0415
+    from uavftc.report.progress import progress  # noqa: PLC0415
+    from uavftc.stage import is_compiled  # noqa: PLC0415
+
+    if not quiet and not is_compiled():
+        print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
+    document, outcome = fly_mission(
+        loaded, folder, figures=not no_plots, progress=functools.partial(progress, quiet=quiet)
+    )
+    if not quiet:
+        from rich.console import Console  # noqa: PLC0415
+
+        from uavftc.report.table import print_result  # noqa: PLC0415
+
+        print_result(Console(), document, folder)
+    if not outcome.completed:
+        raise typer.Exit(130 if outcome.interrupted else 3)
+
+
+def default_folder(scenario: "Scenario", *, named_aircraft: bool) -> Path:  # noqa: F821, UP037
+    """Return results/<scenario>-<controller>-<plant>, with the aircraft's name after it when it was an option."""
+    from uavftc.scenario.load import controller_name  # noqa: PLC0415
+
+    name = f"{scenario.name}-{controller_name(scenario)}-{scenario.plant}"
+    if named_aircraft:
+        name += f"-{Path(scenario.aircraft).name}".replace(":", "-")
+    return Path("results") / name
