@@ -14,7 +14,7 @@ from uavftc.control.gains import lyapunov_P, reference_gain
 from uavftc.environment.inputs import Inputs
 from uavftc.plants.interface import Plant, Timing
 from uavftc.scenario.controllers import Controller, L1Inner, MracInner, NdiOuter, NndoNdiOuter
-from uavftc.scenario.schema import Scenario
+from uavftc.scenario.schema import Initial, Scenario
 from uavftc.sensors import gyro
 from uavftc.stage import Block, Program, params_of
 
@@ -69,31 +69,22 @@ def build(scenario: Scenario) -> Flight:
 
 def resolved(scenario: Scenario, aircraft: Aircraft) -> Scenario:
     """Return the scenario with everything filled in that it leaves to the aircraft."""
-    given, own = scenario.initial, aircraft.initial
-    initial = given.model_copy(
-        update={
-            "airspeed_mps": given.airspeed_mps or own.airspeed_mps,
-            "altitude_m": given.altitude_m or own.altitude_m,
-        }
-    )
+    airspeed = scenario.initial.airspeed_mps or aircraft.initial.airspeed_mps
+    altitude = scenario.initial.altitude_m or aircraft.initial.altitude_m
     limits = scenario.envelope
-    limits = limits.model_copy(
-        update={
-            "min_airspeed_mps": 0.5 * initial.airspeed_mps
-            if limits.min_airspeed_mps is None
-            else limits.min_airspeed_mps,
-            "max_airspeed_mps": 2.0 * initial.airspeed_mps
-            if limits.max_airspeed_mps is None
-            else limits.max_airspeed_mps,
-        }
-    )
+    slow, fast = limits.min_airspeed_mps, limits.max_airspeed_mps
     inner = scenario.controller.inner
     if inner.B_m is None:
         inner = inner.model_copy(update={"B_m": aircraft.analytic.B_m})
     return scenario.model_copy(
         update={
-            "initial": initial,
-            "envelope": limits,
+            "initial": Initial(airspeed_mps=airspeed, altitude_m=altitude),
+            "envelope": limits.model_copy(
+                update={
+                    "min_airspeed_mps": 0.5 * airspeed if slow is None else slow,
+                    "max_airspeed_mps": 2.0 * airspeed if fast is None else fast,
+                }
+            ),
             "controller": scenario.controller.model_copy(update={"inner": inner}),
         }
     )

@@ -28,9 +28,7 @@ class InputError(Exception):
         self.remedy = remedy
 
     def __str__(self) -> str:
-        return (
-            f"{self.where}\n  found:    {self.found}\n  expected: {self.expected}\n  remedy:   {self.remedy}"
-        )
+        return f"{self.where}\n  found:    {self.found}\n  expected: {self.expected}\n  remedy:   {self.remedy}"
 
     def __reduce__(self) -> tuple[object, ...]:  # keyword-only arguments: the default would not come back in a worker
         return _rebuild, (type(self), self.where, self.found, self.expected, self.remedy)

@@ -16,7 +16,7 @@ from uavftc.flight import Outcome, fly
 from uavftc.recorder import ParquetRecorder, read_history
 from uavftc.report.results import ResultFolder
 from uavftc.report.summary import provenance, summary, write_json
-from uavftc.scenario.disturbances import Gust
+from uavftc.scenario.disturbances import Gust, Turbulence, Wind
 from uavftc.scenario.load import controller_name, scenario_text, warnings
 from uavftc.scenario.schema import Scenario
 from uavftc.signals import SURFACES
@@ -116,7 +116,8 @@ def draw(folder: Path, flight: Flight, document: dict[str, Any]) -> None:
         for surface, pair in zip(SURFACES, scenario.limits_rad(), strict=True)
     }
     end = scenario.duration_s
-    changes = {edge for d in scenario.disturbances for edge in (d.start_s, end if d.end_s is None else d.end_s)}
+    edges = [(d.start_s, d.end_s) for d in scenario.disturbances if not isinstance(d, Turbulence)]
+    changes = {end if edge is None else edge for pair in edges for edge in pair}
     context = FigureContext(
         title="{scenario}: {controller} on {aircraft}, {plant}".format(**document),
         limits_rad=limits,
@@ -130,6 +131,6 @@ def draw(folder: Path, flight: Flight, document: dict[str, Any]) -> None:
             for fault in scenario.faults
         ],
         disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
-        wind=any(isinstance(d, Gust) or d.kind == "wind" for d in scenario.disturbances),
+        wind=any(isinstance(d, Gust | Wind) for d in scenario.disturbances),
     )
     write_figures(folder / "figures", read_history(folder / "history.parquet"), context)

@@ -36,6 +36,7 @@ ROW = np.dtype(
         ("alpha", "f8"),  # rad
         ("beta", "f8"),  # rad
         ("throttle", "f8"),  # 0..1
+        ("contact", "f8"),  # force of the ground on the vehicle, body z, N
         # the vehicle as the controller is shown it
         ("x1_meas", "f8", _VEC),  # rad
         ("x2_meas", "f8", _VEC),  # rad/s
@@ -55,11 +56,11 @@ ROW_WIDTH = ROW.itemsize // 8
 
 
 class Column(NamedTuple):
-    """One published column of the history: its name with unit, and the row field and index it is taken from."""
+    """One published column of the history: its name with unit, and the row field and component it is taken from."""
 
     name: str
     field: str
-    index: int | None
+    component: int | None
 
 
 def _vector(field: str, names: tuple[str, ...]) -> list[Column]:
@@ -127,7 +128,7 @@ def column(records: np.ndarray, name: str) -> np.ndarray:
     if name == "psi_rad":
         return heading_near_reference(records)
     values = records[spec.field]
-    return values if spec.index is None else values[:, spec.index]
+    return values if spec.component is None else values[:, spec.component]
 
 
 _BY_NAME = {c.name: c for c in COLUMNS}

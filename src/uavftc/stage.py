@@ -34,7 +34,7 @@ NOTHING = np.dtype([("nothing", "f8")])
 RAW = np.dtype("f8")
 """State of a law that lays out its own memory: the law gets a pointer to float64."""
 
-_STATUS = ROW.names.index("status")
+_STATUS = ROW.fields["status"][1] // 8  # type: ignore[index]
 
 law = numba.njit(error_model="numpy")
 """Decorator of every compiled function. IEEE arithmetic: a division by zero gives inf, never an exception."""
@@ -135,11 +135,11 @@ def _pointer(dtype: np.dtype) -> Any:
 
 
 @intrinsic
-def _call(_context, function, params, state, row):  # type: ignore[no-untyped-def]
+def _call(_context, function, params, state, row):
     """Call the C function at an address with three addresses."""
     signature = types.void(types.int64, types.int64, types.int64, types.int64)
 
-    def generate(context, builder, _signature, args):  # type: ignore[no-untyped-def]
+    def generate(context, builder, _signature, args):
         address = ir.IntType(8).as_pointer()
         kind = ir.FunctionType(ir.VoidType(), [address] * 3)
         target = builder.inttoptr(args[0], kind.as_pointer())
@@ -149,7 +149,7 @@ def _call(_context, function, params, state, row):  # type: ignore[no-untyped-de
     return signature, generate
 
 
-def _run_rows(table, rows, first, last):  # type: ignore[no-untyped-def]
+def _run_rows(table, rows, first, last):
     base = rows.ctypes.data
     for k in range(first, last):
         row = base + k * rows.strides[0]

@@ -142,6 +142,15 @@ def test_limits_far_away_are_named_and_do_not_flatten_the_curve(make_history):
     assert fig.axes[1].get_ylim()[1] < 10.0
 
 
+def test_a_limit_on_one_side_is_drawn_alone(make_history):
+    with panels.style():
+        fig = figures.control(make_history(4001), FigureContext("x", limits_rad={"aileron": (-np.inf, 0.1)}))
+    assert [line.get_ydata()[0] for line in fig.axes[1].lines if line.get_label() == "limit"] == pytest.approx(
+        [np.rad2deg(0.1)]
+    )
+    assert fig.axes[1].get_title(loc="right") == ""
+
+
 def test_noise_of_rounding_is_not_magnified(make_history):
     history = make_history(500)
     history["d1_hat_phi_radps"] = 1e-17 * np.sin(np.arange(500.0))
@@ -158,7 +167,7 @@ def test_wind_takes_the_place_of_the_throttle(make_history):
 
 
 def test_names_with_mathematics_and_the_users_own_settings_do_no_harm(tmp_path, make_history):
-    context = FigureContext("a $x_{ b", faults=[FaultWindow("rudder", 0.0, 9.0, "half $ of {x")])
+    context = FigureContext("a $x_{$ b", faults=[FaultWindow("rudder", 0.0, 9.0, "half $of{$ x")])
     with mpl.rc_context({"font.size": 3.0, "text.usetex": True}):
         write_figures(tmp_path / "user", make_history(20), context)
         assert mpl.rcParams["font.size"] == 3.0

@@ -196,6 +196,29 @@ def test_a_file_put_in_between_the_look_and_the_move_is_safe(tmp_path, monkeypat
     assert os.listdir(tmp_path) == ["run"]
 
 
+def test_a_file_put_in_at_the_very_last_moment_is_not_removed_with_the_old_results(tmp_path, monkeypatch):
+    fly(tmp_path / "run", run=1)
+    rename = Path.rename
+
+    def intrude(self: Path, target: Path) -> Path:
+        if ".partial-" in self.name:
+            (tmp_path / f".run.old-{os.getpid()}" / "notes.txt").write_text("mine")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", intrude)
+    fly(tmp_path / "run", run=2)
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    assert tree(tmp_path / f".run.old-{os.getpid()}") == {"notes.txt": b"mine"}
+
+
+def test_a_mount_point_is_refused_because_it_cannot_be_renamed(tmp_path, monkeypatch):
+    (tmp_path / "out").mkdir()
+    monkeypatch.setattr(os.path, "ismount", lambda path: Path(path) == tmp_path / "out")
+    with pytest.raises(InputError, match="mount point"):
+        ResultFolder(tmp_path / "out").check()
+    ResultFolder(tmp_path / "out" / "run").check()  # the remedy it names
+
+
 def test_the_old_folder_comes_back_if_the_new_one_cannot_be_moved_in(tmp_path, monkeypatch):
     fly(tmp_path / "run", run=1)
     before = tree(tmp_path)

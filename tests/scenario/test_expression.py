@@ -152,20 +152,20 @@ def test_everything_else_is_refused_by_name(text, part):
         "-" * 999 + "t",
         "+".join("t" * 500),
         "**".join("t" * 300),
-        "sin(" * 190 + "t" + ")" * 190,
         "t" * (MAX_LENGTH + 1),
         "1" + " " * 100_000_000,
     ],
-    ids=["parentheses", "signs", "sum", "powers", "calls", "name", "blanks"],
+    ids=["parentheses", "signs", "sum", "powers", "name", "blanks"],
 )
 def test_size_is_bounded_without_exhausting_the_stack(text):
-    with pytest.raises(ValueError, match="nest|at most|unknown name"):
+    with pytest.raises(ValueError, match=r"nested|at most|unknown name"):
         Expression(text)
 
 
 def test_what_is_admitted_can_also_be_sampled():
-    deepest = "-" * MAX_DEPTH + "t"  # the stack must bear every expression that is admitted
-    assert Expression(deepest)(np.array([2.0]))[0] == 2.0
+    # the stack must bear every expression that is admitted
+    assert Expression("-" * MAX_DEPTH + "t")(np.array([2.0]))[0] == 2.0
+    assert Expression("abs(" * 150 + "t" + ")" * 150)(np.array([2.0]))[0] == 2.0
 
 
 def test_the_error_marks_the_place():

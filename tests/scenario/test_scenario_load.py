@@ -6,12 +6,16 @@ import os
 import pickle
 
 import pytest
+from pydantic import ValidationError
 
 from uavftc import resources
 from uavftc.errors import CombinedInputError, InputError
 from uavftc.scenario import load as module
 from uavftc.scenario.checks import warnings
+from uavftc.scenario.document import Document
+from uavftc.scenario.explain import explain
 from uavftc.scenario.load import controller_name, load_scenario
+from uavftc.scenario.values import Model, Positive
 
 
 @pytest.mark.parametrize("written", ["1e5", "1.0e5", "1E+5", "100000", "+100000.", "1.e5"])
@@ -186,6 +190,17 @@ def test_a_path_that_leads_nowhere(refused):
     message = str(refused("seed: 1\naircraft: ../none\n"))
     assert "line 4, key aircraft" in message
     assert "shipped: hale" in message
+
+
+def test_the_same_words_for_files_of_another_schema():
+    class Bolt(Model):
+        width_m: Positive
+
+    document = Document({"width": 1}, "bolt.yaml", {("width",): "bolt.yaml, line 7"})
+    with pytest.raises(ValidationError) as error:
+        Bolt.model_validate(document.data)
+    told = {str(e) for e in explain(error.value, document, Bolt)}
+    assert any("bolt.yaml, line 7, key width" in t and "did you mean width_m?" in t for t in told)
 
 
 def test_errors_survive_the_way_back_from_a_worker_process(refused):

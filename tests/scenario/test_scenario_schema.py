@@ -135,7 +135,7 @@ REFUSED = [
         "saturation.flap",
         ["aileron, elevator, rudder"],
     ),
-    ("saturation: {rudder: {min: -1, max_rad: 1}}", 3, "saturation.rudder.min", ["did you mean min_rad?"]),
+    ("saturation: {rudder: {min_rad: -1, max_rad: 1, max: 1}}", 3, "saturation.rudder.max", ["did you mean max_rad?"]),
     ("faults: 5", 3, "faults", ["a list"]),
     ("faults: [5]", 3, "faults[0]", ["section"]),
     ("faults:\n  - {effectiveness: 0.5}", 4, "faults[0].surface", ["nothing"]),
@@ -246,7 +246,7 @@ def test_overlapping_faults_are_both_named(refused):
           - {surface: aileron, start_s: 7.5, end_s: 9}
         """
     message = str(refused(text))
-    assert "line 6, key faults[2]" in message
+    assert "line 7, key faults[2]" in message
     assert "faults[2] on [7.5, 9) s overlaps faults[0] on [0, 8) s, both on the aileron" in message
 
 

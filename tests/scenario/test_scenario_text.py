@@ -42,7 +42,7 @@ def test_the_text_reads_like_a_scenario_a_person_wrote():
     assert max(map(len, lines)) <= 120
 
 
-numbers = st.floats(-1e300, 1e300).filter(lambda x: x == x)
+numbers = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(1e-300, 1e300)
 
 
@@ -53,15 +53,14 @@ positive = st.floats(1e-300, 1e300)
     gains=st.tuples(positive, positive, positive),
     bias=st.tuples(numbers, numbers, numbers),
     limit=positive,
-    seed=st.integers(0, 2**63 - 1),
 )
-def test_any_scenario_comes_back_bit_for_bit(tmp_path, description, reference, gains, bias, limit, seed):
+def test_any_scenario_comes_back_bit_for_bit(tmp_path, *, description, reference, gains, bias, limit):
     scenario = Scenario.model_validate(
         {
             "name": "a",
             "duration_s": 1,
             "description": description,
-            "seed": seed,
+            "seed": 2**63 - 1,
             "reference": {"psi_deg": reference},
             "controller": {"outer": {"bandwidth": gains}},
             "sensors": {"gyro_bias_degps": bias},

@@ -5,9 +5,12 @@ from __future__ import annotations
 import functools
 import sys
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
+
+if TYPE_CHECKING:
+    from uavftc.scenario.schema import Scenario
 
 
 def fly(
@@ -66,7 +69,7 @@ def fly(
         raise typer.Exit(130 if outcome.interrupted else 3)
 
 
-def default_folder(scenario: "Scenario", *, named_aircraft: bool) -> Path:  # noqa: F821, UP037
+def default_folder(scenario: Scenario, *, named_aircraft: bool) -> Path:
     """Return results/<scenario>-<controller>-<plant>, with the aircraft's name after it when it was an option."""
     from uavftc.scenario.load import controller_name  # noqa: PLC0415
 

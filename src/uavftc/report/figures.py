@@ -214,7 +214,7 @@ def _pair(ax: Axes, t: np.ndarray, estimate: np.ndarray, true: np.ndarray, *, le
 
 
 def _limits_deg(context: FigureContext, surface: str) -> tuple[float, ...]:
-    return tuple(np.rad2deg(context.limits_rad.get(surface) or ()))
+    return tuple(np.rad2deg(limit) for limit in context.limits_rad.get(surface) or () if np.isfinite(limit))
 
 
 def _merged(faults: Sequence[FaultWindow]) -> list[tuple[float, float, str]]:

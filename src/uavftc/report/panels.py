@@ -191,7 +191,7 @@ def mark_entry(ax: Axes, t: np.ndarray, error: np.ndarray, band: float) -> None:
 def note(ax: Axes, text: str) -> None:
     """Write a remark into the middle of an empty panel."""
     look: Any = {"ha": "center", "va": "center", "color": "#555555", "backgroundcolor": "white"}
-    ax.text(0.5, 0.5, text, transform=ax.transAxes, parse_math=False, **look)
+    ax.text(0.5, 0.5, text, transform=ax.transAxes, **look)
 
 
 def _wrapped(label: str, room: int) -> str:

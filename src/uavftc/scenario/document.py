@@ -122,8 +122,9 @@ class _Reader:
             found = "more values than any scenario needs"
             raise InputError(self.place(node), found=found, expected=limit, remedy=remedy)
         if str(node.tag) not in _TAGS:
+            found = f"the tag {str(node.tag)[:80]}"
             remedy = "remove the tag; numbers, texts, lists and maps need none"
-            raise InputError(self.place(node), found=f"the tag {str(node.tag)[:80]}", expected="plain YAML", remedy=remedy)
+            raise InputError(self.place(node), found=found, expected="plain YAML", remedy=remedy)
         self.places.setdefault(key, self.place(node))
         if isinstance(node, MappingNode):
             return self._mapping(node, key, depth)

@@ -35,12 +35,12 @@ _LIMITS = {
 _INSTEAD_OF_TURBULENCE = 'use kind: gust, or kind: wind with an expression of t such as "2*sin(3*t) + sin(7*t)"'
 
 
-def explain(error: ValidationError, document: Document) -> list[InputError]:
-    """Return the errors of a scenario in the order of the schema, each with the place of its key in `document`."""
+def explain(error: ValidationError, document: Document, root: type[BaseModel] = Scenario) -> list[InputError]:
+    """Return the errors of a file in the order of its schema `root`, each with the place of its key in `document`."""
     told: list[InputError] = []
     items = error.errors(include_url=False)
     for item in items[:MAX_TOLD]:
-        key, model = _locate(item["loc"])
+        key, model = _locate(item["loc"], root)
         problems = item.get("ctx", {}).get("problems")
         for problem in problems or [_problem(item, key, model)]:
             full = (*key, *problem.key) if problems else problem.key
@@ -52,12 +52,11 @@ def explain(error: ValidationError, document: Document) -> list[InputError]:
     return told
 
 
-def _locate(loc: tuple[str | int, ...]) -> tuple[Key, type[BaseModel]]:
+def _locate(loc: tuple[str | int, ...], root: type[BaseModel]) -> tuple[Key, type[BaseModel]]:
     """Return the key path of a schema location, which names union members too, and the section its last part is in."""
     key: list[str | int] = []
-    model: type[BaseModel] = Scenario
+    model = holder = root
     choices: dict[str, type[BaseModel]] = {}
-    holder: type[BaseModel] = Scenario
     for part in loc:
         if part in choices and len(choices) > 1:
             model, choices = choices[str(part)], {}
@@ -69,7 +68,7 @@ def _locate(loc: tuple[str | int, ...]) -> tuple[Key, type[BaseModel]]:
         if isinstance(part, str) and not choices:
             holder = model
             choices = _sections(model.model_fields[part].annotation) if part in model.model_fields else {}
-    return tuple(key), holder if key else Scenario
+    return tuple(key), holder
 
 
 def _sections(annotation: Any) -> dict[str, type[BaseModel]]:

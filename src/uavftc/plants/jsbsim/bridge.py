@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 
 from uavftc.linear3 import multiply
-from uavftc.plants.jsbsim.units import FT_M, SLUGFT2_KGM2
+from uavftc.plants.jsbsim.units import FT_M, LBF_N, SLUGFT2_KGM2
 from uavftc.stage import NOTHING, Stage, carray, law
 
 OBSERVE_STATE = np.dtype([("started", "f8"), ("psi", "f8")])  # heading of the previous sample, rad
@@ -46,6 +46,7 @@ def observe(s, row):
     row.airspeed *= FT_M
     row.altitude *= FT_M
     row.height *= FT_M
+    row.contact *= LBF_N
 
 
 @law

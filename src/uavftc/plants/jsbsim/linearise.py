@@ -26,9 +26,9 @@ def control_matrix(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, step: float = 1e-3
             fdm[name] = trim + sign * step
             for _ in range(SETTLE_FRAMES):
                 fdm.run()
-            response.append([fdm[a] for a in ACCELERATIONS])
+            response.append(np.array([fdm[a] for a in ACCELERATIONS]))
         fdm[name] = trim
-        B[:, j] = np.subtract(*response) / (2.0 * step)
+        B[:, j] = (response[0] - response[1]) / (2.0 * step)
     for _ in range(SETTLE_FRAMES):
         fdm.run()
     return B

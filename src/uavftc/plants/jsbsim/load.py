@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 import threading
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from uavftc.aircraft import Aircraft
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
+_TOLD = 4  # of JSBSim's complaints; the first ones name the cause
 _WARN, _FATAL = int(jsbsim.LogLevel.WARN), int(jsbsim.LogLevel.FATAL)
 
 # Children that JSBSim reads; it passes over any other without a word, which loses a mass or an inertia.
@@ -106,7 +108,7 @@ def load(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
 
 
 def _unreadable(aircraft: Aircraft, complaints: Iterable[str]) -> InputError:
-    told = list(dict.fromkeys(" ".join(c.split()) for c in complaints)) or ["no reason given"]
+    told = list(dict.fromkeys(" ".join(c.split()) for c in complaints))[:_TOLD] or ["no reason given"]
     return InputError(
         f"aircraft {aircraft.name}, {aircraft.xml}",
         found=f"JSBSim does not load it: {' | '.join(told)}",
@@ -124,8 +126,6 @@ def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
         If JSBSim complained since the load, a mass property differs by more than 1e-6, or a property that the
         companion file names does not exist.
     """
-    if _log is not None and _log.complaints():
-        raise _unreadable(aircraft, _log.complaints())
     for what, (found, claimed, unit) in mass_properties(aircraft, fdm).items():
         scale = np.max(np.abs(claimed))
         if not np.max(np.abs(np.subtract(found, claimed))) <= 1e-6 * scale:
@@ -136,6 +136,8 @@ def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
                 remedy="correct the XML (JSBSim passes over an element whose name it does not know) or the "
                 "companion file; give inertias in SLUG*FT2, JSBSim's own KG*M2 factor is 9e-5 off",
             )
+    if _log is not None and _log.complaints():
+        raise _unreadable(aircraft, _log.complaints())
     manager = fdm.get_property_manager()
     for key, name in aircraft.properties():
         if manager.get_node(name) is None:
@@ -150,7 +152,9 @@ def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
 def mass_properties(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> dict[str, tuple[Any, Any, str]]:
     """Return (loaded, claimed, unit) of mass, inertia, wing area, span and chord, in SI."""
     claimed = aircraft.mass_properties
-    J = np.array(fdm.get_mass_balance().get_J()) * SLUGFT2_KGM2
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PendingDeprecationWarning)  # the binding returns a numpy.matrix
+        J = np.array(fdm.get_mass_balance().get_J()) * SLUGFT2_KGM2
     return {
         "mass": (fdm["inertia/mass-slugs"] * SLUG_KG, claimed.mass_kg, "kg"),
         "inertia": (J, np.array(claimed.inertia_kgm2), "kg m^2"),
@@ -161,6 +165,8 @@ def mass_properties(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> dict[str, tupl
 
 
 def _numbers(value: Any) -> str:
+    if np.ndim(value) == 0:
+        return f"{float(value):.9g}"
     return np.array2string(np.asarray(value), precision=9, separator=", ").replace("\n", "")
 
 

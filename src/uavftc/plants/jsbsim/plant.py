@@ -8,6 +8,7 @@ analytic plant does not have.
 
 from __future__ import annotations
 
+import functools
 import struct
 from typing import Any
 
@@ -29,10 +30,11 @@ STATE_PROPERTIES = (
     "velocities/vt-fps", "position/h-sl-ft", "position/h-agl-ft",
     "aero/alpha-rad", "aero/beta-rad",
 )  # fmt: skip
-"""In the order of the row from `x1` on; the throttle follows, as the aircraft names it."""
+"""In the order of the row from `x1` on; the throttle follows, as the aircraft names it, and the ground's force."""
+CONTACT = "forces/fbz-gear-lbs"
 
 _OFFSET = ROW.fields["x1"][1]  # type: ignore[index]
-_READ = struct.Struct(f"{len(STATE_PROPERTIES) + 1}d")
+_READ = struct.Struct(f"{len(STATE_PROPERTIES) + 2}d")
 _WRITE = struct.Struct("12d")
 
 INTEGRATORS = {
@@ -106,8 +108,8 @@ class JSBSimPlant:
 
     def _bind(self, aircraft: Aircraft, *, has_wind: bool, has_moment: bool) -> None:
         """Look every property up once; a bound accessor costs a tenth of a look-up."""
-        node = self.fdm.get_property_manager().get_node
-        self._get = [node(name).get_double_value for name in (*STATE_PROPERTIES, aircraft.throttle.position[0])]
+        node = functools.partial(_node, self.fdm)
+        self._get = [node(name).get_double_value for name in (*STATE_PROPERTIES, aircraft.throttle.position[0], CONTACT)]
         self._set_surface = [node(getattr(aircraft.surfaces, s).command).set_double_value for s in SURFACES]
         self._set_wind = [node(name).set_double_value for name in WIND] if has_wind else None
         self._set_moment = None
@@ -135,8 +137,8 @@ class JSBSimPlant:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
         step, run = program.run, self.fdm.run
         pack, unpack = _READ.pack_into, _WRITE.unpack_from
-        buffer, out = memoryview(rows).cast("B"), memoryview(self._command.state).cast("B")
-        phi, theta, psi, p, q, r, v, h, agl, alpha, beta, throttle = self._get
+        buffer, out = rows.data.cast("B"), self._command.state.data.cast("B")
+        phi, theta, psi, p, q, r, v, h, agl, alpha, beta, throttle, contact = self._get
         set_a, set_e, set_r = self._set_surface
         parts = self._early_parts
         whole = parts[0] == 0.0
@@ -144,7 +146,7 @@ class JSBSimPlant:
         for k in range(first, last):
             pack(
                 buffer, k * ROW.itemsize + _OFFSET,
-                phi(), theta(), psi(), p(), q(), r(), v(), h(), agl(), alpha(), beta(), throttle(),
+                phi(), theta(), psi(), p(), q(), r(), v(), h(), agl(), alpha(), beta(), throttle(), contact(),
             )  # fmt: skip
             if step(rows, k, k + 1) == k:
                 return k
@@ -163,6 +165,13 @@ class JSBSimPlant:
                     set_a(early * a0 + late * a1), set_e(early * e0 + late * e1), set_r(early * r0 + late * r1)
                     run()
         return last
+
+
+def _node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
+    node = fdm.get_property_manager().get_node(name)
+    if node is None:  # JSBSim would create it silently at the first write
+        raise KeyError(name)
+    return node
 
 
 def trimmed(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim:

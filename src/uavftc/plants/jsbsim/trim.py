@@ -109,7 +109,8 @@ def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altit
 
     solution = root(equations, [0.0, 0.0, 0.5], method="hybr", options={"eps": 1e-6, "xtol": 1e-12})
     error = equations(solution.x)
-    trim = Trim(airspeed, altitude, *map(float, solution.x), error)
+    alpha, elevator, throttle = map(float, solution.x)
+    trim = Trim(airspeed, altitude, alpha, elevator, throttle, error)
     if not max(map(abs, error)) < TOLERANCE or not 0.0 <= trim.throttle <= 1.0:
         raise InputError(
             f"aircraft {aircraft.name}, trim at {airspeed:g} m/s and {altitude:g} m",
@@ -142,9 +143,10 @@ def start(
     command(fdm, aircraft, trim.elevator, trim.throttle)
     if aircraft.autothrottle is not None:
         fdm[aircraft.autothrottle.setpoint_fps] = trim.airspeed / FT_M
-        fdm[aircraft.autothrottle.switch] = 1
     for _ in range(3):
         fdm.run()
+    if aircraft.autothrottle is not None:  # after those frames, or it integrates the error of a stale airspeed
+        fdm[aircraft.autothrottle.switch] = 1
     for name, code in integrators.items():
         fdm[name] = code
     fdm.set_sim_time(0.0)

@@ -1,0 +1,37 @@
+"""Flights for tests, each flown once a session."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from uavftc.analysis.metrics import INTEGRALS, metrics_of
+from uavftc.build import Flight, build
+from uavftc.flight import Outcome, fly_to_memory
+from uavftc.scenario.load import load_scenario
+from uavftc.signals import AXES
+
+
+@functools.cache
+def flown(
+    scenario: str, plant: str = "jsbsim", controller: str | None = None, overrides: tuple[str, ...] = ()
+) -> tuple[Flight, np.ndarray, Outcome]:
+    """Return (flight, records, outcome) of a shipped scenario."""
+    flight = build(load_scenario(scenario, plant=plant, controller=controller, overrides=overrides))
+    records, outcome = fly_to_memory(flight)
+    records.setflags(write=False)
+    return flight, records, outcome
+
+
+def integrals(scenario: str, plant: str, overrides: tuple[str, ...] = (), controller: str | None = None) -> np.ndarray:
+    """Return IAE, ISE, ITAE, ITSE (columns) of roll, pitch, yaw (rows), shape (3, 4)."""
+    _, records, outcome = flown(scenario, plant, controller, overrides)
+    assert outcome.completed
+    metrics = metrics_of(records)
+    return np.array([[metrics[axis][name] for name in INTEGRALS] for axis in AXES], dtype=float)
+
+
+def largest_difference(a: np.ndarray, b: np.ndarray) -> float:
+    """Return the largest relative difference between two tables."""
+    return float(np.max(np.abs(a / b - 1.0)))
