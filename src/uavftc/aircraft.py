@@ -168,7 +168,7 @@ def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
                 expected=f"a folder with {what} {file.name}",
                 remedy=f"add {file.name} (aircraft/hale has one of each), or name another aircraft",
             )
-    document = read_document(companion)
+    document = read_document(companion, what="companion file of an aircraft")
     return _validated(document, folder)
 
 
@@ -176,7 +176,7 @@ def _validated(document: Document, folder: Path) -> Aircraft:
     try:
         aircraft = Aircraft.model_validate(document.data)
     except ValidationError as error:
-        raise join(explain(error, document)) from None
+        raise join(explain(error, document, Aircraft)) from None
     aircraft._folder = folder
     return aircraft
 

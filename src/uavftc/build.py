@@ -97,7 +97,8 @@ def timing_of(scenario: Scenario) -> tuple[Timing, int]:
     is chosen such that the change falls between two of them, if up to MAX_ALIGNING times as many allow.
     """
     h = 1.0 / scenario.controller.rate_hz
-    samples = scenario.controller.delay_s * scenario.controller.rate_hz
+    # longer than the flight is as good as the flight's length, and keeps the line in memory small
+    samples = min(scenario.controller.delay_s * scenario.controller.rate_hz, scenario.steps + 1.0)
     whole = math.floor(samples + 1e-9)
     part = samples - whole
     part = part if part > 1e-9 else 0.0

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -48,40 +51,55 @@ def fly(flight: Flight, recorders: Sequence[Recorder] = (), progress: Callable[[
     records = as_records(rows)
     wall_s = 0.0
     done = 0
-    interrupted = lost = False
-    try:
-        while done < total and not (interrupted or lost):
+    lost: np.void | None = None
+    with _ctrl_c() as stopped:
+        while done < total and lost is None and not stopped.is_set():
             n = min(len(rows), total - done)
             rows[:n] = 0.0
             flight.inputs.fill(records[:n], done)
             flown = 0
             started = time.perf_counter()
-            try:
-                while flown < n and not lost:
-                    stop = min(flown + SLICE_ROWS, n)
-                    reached = flight.plant.run(flight.program, rows, flown, stop)
-                    lost = reached < stop
-                    if progress is not None:
-                        progress(done + reached)
-                    flown = reached
-            except KeyboardInterrupt:
-                interrupted = True
+            while flown < n and lost is None and not stopped.is_set():
+                stop = min(flown + SLICE_ROWS, n)
+                flown = flight.plant.run(flight.program, rows, flown, stop)
+                if flown < stop:
+                    lost = records[flown].copy()
+                if progress is not None:
+                    progress(done + flown)
             wall_s += time.perf_counter() - started
-            keep = flown
-            if lost and int(records[flown]["status"]) != envelope.NOT_A_NUMBER:
-                keep = flown + 1  # the row outside the envelope is still a true one
+            # the row outside the envelope is still a true one, unless it is no number
+            keep = flown + (lost is not None and int(lost["status"]) != envelope.NOT_A_NUMBER)
             for recorder in recorders:
                 recorder.take(records[:keep])
-            last = records[flown].copy() if lost else None
             done += keep
-    except KeyboardInterrupt:
-        interrupted = True
-    if lost and last is not None:
-        return Outcome(False, envelope.reason(flight.envelope[0], last), float(last["t"]), False, done, wall_s)
-    if interrupted and done < total:
+    if lost is not None:
+        return Outcome(False, envelope.reason(flight.envelope[0], lost), float(lost["t"]), False, done, wall_s)
+    if done < total:
         at = max(done - 1, 0) / flight.scenario.controller.rate_hz
         return Outcome(False, f"interrupted by the user, at t = {at:.3f} s", at, True, done, wall_s)
     return Outcome(True, None, None, False, done, wall_s)
+
+
+@contextmanager
+def _ctrl_c() -> Iterator[threading.Event]:
+    """Yield an event that Ctrl-C sets, so that it ends a flight between two slices and never tears a recorder.
+
+    A second Ctrl-C acts at once. Off the main thread Python delivers no signals and the event stays clear.
+    """
+    stopped = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield stopped
+        return
+
+    def stop(_signal: int, _frame: object) -> None:
+        stopped.set()
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield stopped
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def fly_to_memory(flight: Flight) -> tuple[np.ndarray, Outcome]:

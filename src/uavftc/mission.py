@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import shutil
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -68,8 +69,15 @@ def fly_mission(
         document = summary_of(flight, outcome, metrics, origin)
         write_json(folder.path / "summary.json", document)
         (folder.path / "scenario.yaml").write_text(text, encoding="utf-8", newline="\n")
+        stopped = False
         if figures:
-            draw(folder.path, flight, document)
+            try:
+                draw(folder.path, flight, document)
+            except KeyboardInterrupt:  # the flight is kept, without its figures
+                shutil.rmtree(folder.path / "figures", ignore_errors=True)
+                stopped = True
+    if stopped:
+        raise KeyboardInterrupt
     return document, outcome
 
 

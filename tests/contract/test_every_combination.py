@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flying import flown
 
+from flying import flown
 from uavftc.build import build
 from uavftc.flight import fly_to_memory
 from uavftc.scenario.load import load_scenario, scenario_text

@@ -89,16 +89,16 @@ def test_colour_tells_how_near_but_is_not_needed(monkeypatch):
 
 def test_a_lost_vehicle_gets_time_and_reason_and_no_convergence_verdict():
     axes = {a: ROLL | {"steady_state_error_deg": None, "convergence_time_s": None} for a in ("roll", "pitch", "yaw")}
-    text = printed(document(completed=False, ended_because="of ground contact", ended_at_s=8.345, axes=axes))
-    assert "lost at 8.345 s because of ground contact" in text
+    text = printed(document(completed=False, ended_because="ground contact, at t = 8.345 s", ended_at_s=8.345, axes=axes))
+    assert "lost: ground contact, at t = 8.345 s" in text
     assert row(text, "convergence time [s]") == ["-"] * 3  # the flight has no end to be within
     assert row(text, "steady-state error [deg]") == ["-"] * 3
     assert "completed" not in text
 
 
 def test_an_interrupted_flight_is_not_called_lost():
-    text = printed(document(completed=False, ended_because="interrupted", ended_at_s=2.0))
-    assert "interrupted at 2.000 s" in text
+    text = printed(document(completed=False, ended_because="interrupted by the user, at t = 2.000 s", ended_at_s=2.0))
+    assert "interrupted by the user, at t = 2.000 s" in text
     assert "lost" not in text
 
 

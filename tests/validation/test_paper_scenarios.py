@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from flying import flown, integrals, largest_difference
 
 PLANTS = ("analytic", "jsbsim")

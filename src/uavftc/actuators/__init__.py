@@ -1,0 +1,1 @@
+"""The chain on a surface, one stage a file: delay, saturation, effectiveness and bias, stops."""

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from uavftc.cli.outcome import INTERRUPTED, LOST
+
 if TYPE_CHECKING:
     from uavftc.scenario.schema import Scenario
 
@@ -66,7 +68,7 @@ def fly(
 
         print_result(Console(), document, folder)
     if not outcome.completed:
-        raise typer.Exit(130 if outcome.interrupted else 3)
+        raise typer.Exit(INTERRUPTED if outcome.interrupted else LOST)
 
 
 def default_folder(scenario: Scenario, *, named_aircraft: bool) -> Path:

@@ -1,0 +1,1 @@
+"""What the scenario prescribes over time: references, faults, disturbances, air."""

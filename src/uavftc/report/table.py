@@ -68,12 +68,8 @@ def _outcome(summary: dict[str, Any]) -> Text:
         return Text.assemble(("completed", "bold green"), pace)
     because = summary["ended_because"] or "for an unknown reason"
     if because.startswith("interrupted"):
-        word, because = "interrupted", ""
-    else:
-        word, because = "lost", f" because {because}"
-    at = summary.get("ended_at_s")
-    when = "" if at is None else f" at {at:.3f} s"
-    return Text.assemble((word, "bold red"), when, because, pace)
+        return Text.assemble((because, "bold yellow"), pace)
+    return Text.assemble(("lost", "bold red"), f": {because}", pace)
 
 
 def _cell(metric: str, value: float | None, completed: bool) -> Text:

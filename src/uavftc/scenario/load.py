@@ -100,8 +100,8 @@ def find_scenario(source: str | Path) -> Path:
     )
 
 
-def read_document(path: Path) -> Document:
-    """Return the data of a scenario file with the line of each key, unchecked.
+def read_document(path: Path, what: str = "scenario") -> Document:
+    """Return the data of a YAML file, in words a `what`, with the line of each key, unchecked.
 
     Raises
     ------
@@ -115,9 +115,9 @@ def read_document(path: Path) -> Document:
     except OSError as error:
         found = f"a file that cannot be read: {error.strerror or error}"
         remedy = "check its permissions"
-        raise InputError(file, found=found, expected="a readable scenario file", remedy=remedy) from None
+        raise InputError(file, found=found, expected=f"a readable {what}", remedy=remedy) from None
     if len(raw) > MAX_BYTES:
-        remedy = "give a scenario, not a result or a log"
+        remedy = f"give a {what}, not a result or a log"
         raise InputError(file, found="a longer file", expected=f"at most {MAX_BYTES} bytes", remedy=remedy)
     try:
         text = raw.decode("utf-8-sig")
@@ -128,7 +128,7 @@ def read_document(path: Path) -> Document:
     data, places = parse(text, file)
     if not isinstance(data, dict):
         found = "an empty file" if data is None else f"{describe(data)} at the top"
-        remedy = "begin with name: and duration_s:, as the shipped scenarios do"
+        remedy = "begin with name:, as the shipped ones do"
         raise InputError(f"{file}, line 1", found=found, expected="key: value pairs", remedy=remedy)
     return Document(data, file, places)
 

@@ -1,0 +1,1 @@
+"""Inner loop: body-rate command to deflections."""

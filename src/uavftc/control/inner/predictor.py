@@ -22,8 +22,6 @@ The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.p
 
 from __future__ import annotations
 
-import numpy as np
-
 from uavftc.control.rbf import NODES
 from uavftc.linear3 import multiply, multiply_transposed, solve
 from uavftc.stage import law

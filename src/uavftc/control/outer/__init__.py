@@ -1,0 +1,1 @@
+"""Outer loop: attitude to body-rate command."""

@@ -28,11 +28,10 @@ _WARN, _FATAL = int(jsbsim.LogLevel.WARN), int(jsbsim.LogLevel.FATAL)
 # Children that JSBSim reads; it passes over any other without a word, which loses a mass or an inertia.
 _KNOWN_CHILDREN = {
     "mass_balance": frozenset(
-        "ixx iyy izz ixy ixz iyz emptywt location pointmass documentation description".split()
+        ["ixx", "iyy", "izz", "ixy", "ixz", "iyz", "emptywt", "location", "pointmass", "documentation", "description"]
     ),
     "metrics": frozenset(
-        "wingarea wingspan wing_incidence chord htailarea htailarm vtailarea vtailarm location documentation "
-        "description".split()
+        ["wingarea", "wingspan", "wing_incidence", "chord", "htailarea", "htailarm", "vtailarea", "vtailarm", "location", "documentation", "description"]
     ),
 }
 
@@ -100,7 +99,7 @@ def load(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
         loaded = fdm.load_model(name)
         if loaded and aircraft.planet is not None:
             loaded = fdm.load_planet(str(folder / aircraft.planet), False)
-    except jsbsim.BaseError as error:
+    except (RuntimeError, OSError) as error:  # jsbsim.BaseError and what the binding raises of its own
         raise _unreadable(aircraft, [*log.complaints(), str(error)]) from None
     if not loaded or log.complaints():
         raise _unreadable(aircraft, log.complaints())

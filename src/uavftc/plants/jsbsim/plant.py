@@ -177,7 +177,6 @@ def _node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
 def trimmed(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim:
     """Initialise, check against the companion file, and trim; the FDM is left frozen at the trim."""
     try:
-        fdm[aircraft.surfaces.elevator.command]
         fdm.run_ic()
         check_initialised(aircraft, fdm)
         return trim_level(fdm, aircraft, airspeed, altitude)
