@@ -1,3 +1,42 @@
-"""uavftc: fault-tolerant flight control on JSBSim."""
+"""uavftc: fault-tolerant flight control on JSBSim.
+
+The names below are imported when they are first used, so that `import uavftc` costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+_PUBLIC = {
+    "load_scenario": "uavftc.scenario.load",
+    "scenario_text": "uavftc.scenario.load",
+    "build_flight": "uavftc.build",
+    "fly": "uavftc.flight",
+    "fly_to_memory": "uavftc.flight",
+    "fly_mission": "uavftc.mission",
+    "metrics_of": "uavftc.analysis.metrics",
+    "read_history": "uavftc.recorder",
+    "InputError": "uavftc.errors",
+}
+
+__all__ = [*_PUBLIC, "__version__"]  # noqa: PLE0604, PLE0605
+
+if TYPE_CHECKING:
+    from uavftc.analysis.metrics import metrics_of as metrics_of
+    from uavftc.build import build_flight as build_flight
+    from uavftc.errors import InputError as InputError
+    from uavftc.flight import fly as fly
+    from uavftc.flight import fly_to_memory as fly_to_memory
+    from uavftc.mission import fly_mission as fly_mission
+    from uavftc.recorder import read_history as read_history
+    from uavftc.scenario.load import load_scenario as load_scenario
+    from uavftc.scenario.load import scenario_text as scenario_text
+
+
+def __getattr__(name: str) -> Any:
+    if name in _PUBLIC:
+        return getattr(importlib.import_module(_PUBLIC[name]), name)
+    raise AttributeError(f"module 'uavftc' has no attribute '{name}'")
