@@ -15,10 +15,10 @@ import numpy as np
 from uavftc.aircraft import load_aircraft
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.linearise import ACCELERATIONS, control_matrix
-from uavftc.plants.jsbsim.load import load, mass_properties
-from uavftc.plants.jsbsim.plant import trimmed
+from uavftc.plants.jsbsim.load import mass_properties
+from uavftc.plants.jsbsim.plant import initialised
 from uavftc.plants.jsbsim.probe import ensure_loads
-from uavftc.plants.jsbsim.trim import residual
+from uavftc.plants.jsbsim.trim import residual, trim_level
 from uavftc.plants.jsbsim.units import FT_M
 
 STEP_S = 0.005
@@ -32,8 +32,8 @@ def check(folder: str) -> bool:
     """Print the report of one aircraft; return whether everything is within tolerance."""
     aircraft = load_aircraft(folder, "aircraft")
     ensure_loads(aircraft)
-    fdm = load(aircraft, STEP_S)
-    trim = trimmed(fdm, aircraft, aircraft.initial.airspeed_mps, aircraft.initial.altitude_m)
+    fdm = initialised(aircraft, STEP_S)
+    trim = trim_level(fdm, aircraft, aircraft.initial.airspeed_mps, aircraft.initial.altitude_m)
     good = True
 
     def line(what: str, value: float, tolerance: float, unit: str) -> None:

@@ -73,6 +73,6 @@ def test_angle_between_reads_a_known_turn():
 
 
 def _difference(f, t, h):
-    return (
-        45.0 * (f(t + h) - f(t - h)) - 9.0 * (f(t + 2 * h) - f(t - 2 * h)) + (f(t + 3 * h) - f(t - 3 * h))
-    ) / (60.0 * h)
+    return (45.0 * (f(t + h) - f(t - h)) - 9.0 * (f(t + 2 * h) - f(t - 2 * h)) + (f(t + 3 * h) - f(t - 3 * h))) / (
+        60.0 * h
+    )

@@ -25,7 +25,8 @@ def eq2(J, x2, moment):
     """Return x2_dot of eq. (2): the law's torque-free part and the moment terms c3 L + c4 N, c7 M, c4 L + c9 N."""
     c = dict(enumerate(coefficients(J), start=1))
     L, M, N = moment
-    return np.array(gyroscopic(coefficients(J), x2)) + [c[3] * L + c[4] * N, c[7] * M, c[4] * L + c[9] * N]
+    driven = np.array([c[3] * L + c[4] * N, c[7] * M, c[4] * L + c[9] * N])
+    return driven + gyroscopic(coefficients(J), x2)
 
 
 def test_eq2_is_the_vector_equation():
@@ -41,7 +42,7 @@ def test_eq2_is_the_vector_equation():
 
 
 def test_moment_terms_are_the_inverse_of_the_inertia():
-    # c3, c4, c7, c9 form J^-1: for hale a pure rolling moment of 1 kN m gives 19.4 deg/s^2... by J^-1, not by 1/I_x.
+    # c3, c4, c7, c9 form J^-1: a rolling moment acts by J^-1, not by 1/I_x.
     columns = np.stack([eq2(HALE_J, np.zeros(3), m) for m in np.eye(3)], axis=1)
     np.testing.assert_allclose(columns, np.linalg.inv(HALE_J), rtol=1e-13)
     assert columns[2, 0] > 0.0  # I_xz = +8435: a positive rolling moment also yaws to the right
@@ -57,7 +58,7 @@ def test_free_rotation_does_no_work():
 
 
 def test_printed_inertia_gives_the_textbook_coefficients():
-    # Hand computation for hale: D = 52723 * 58771 - 8435^2 = 3.02744... e9, c5 = 6048/6314, c6 = 8435/6314.
+    # Hand computation for hale: D = I_x I_z - I_xz^2, c5 = 6048/6314, c6 = 8435/6314.
     D = 52723 * 58771 - 8435**2
     c = coefficients(HALE_J)
     expected = [

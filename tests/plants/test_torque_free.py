@@ -15,16 +15,22 @@ HALE_J = np.array([[52723.0, 0.0, -8435.0], [0.0, 6314.0, 0.0], [-8435.0, 0.0, 5
 H, SECONDS = 0.005, 60.0
 
 
-def _rates(smallest, middle, largest):
-    """Return body rates from rates about the principal axes of hale."""
-    return np.linalg.eigh(HALE_J)[1] @ np.array([smallest, middle, largest])
+def _start(w0):
+    """Return rates, and an attitude that has the momentum 0.1 rad off the vertical.
+
+    The body then precesses about the vertical, which keeps theta away from +-90 deg, where the paper's kinematics is
+    singular: the flight must be one that the model is made for.
+    """
+    w0 = np.array(w0)
+    down = HALE_J @ w0 / np.linalg.norm(HALE_J @ w0)
+    return w0, np.array([np.arctan2(down[1], down[2]) + 0.1, -np.arcsin(down[0]), 0.3])
 
 
-# Attitudes that keep theta away from +-90 deg, where the paper's kinematics is singular.
 CASES = {
-    "about-largest": (_rates(0.2, 0.0, 0.3), (0.0, 0.0, 0.3)),
-    "about-smallest": (_rates(0.4, 0.0, 0.1), (np.pi / 2, 0.1, 1.0)),  # the y axis points down: a flat spin
-    "middle-rate-too": (_rates(-0.2, 0.1, 0.3), (0.1, -0.1, 0.0)),
+    "about-largest": _start((-0.172, 0.2, 0.245)),
+    "about-smallest": _start((-0.029, 0.5, 0.041)),
+    "middle-rate-too": _start((-0.25, -0.1, 0.18)),
+    "backwards": _start((0.25, 0.2, -0.1)),
 }
 
 
@@ -37,12 +43,12 @@ def flight(request):
     rows = empty_rows(round(SECONDS / H) + 1)
     plant.run(Program([*plant.before(), *plant.after()]), rows, 0, len(rows))
     records = as_records(rows)
-    motion = FreeRotation(HALE_J, w0, from_euler(np.array(x1_0))[0])
+    motion = FreeRotation(HALE_J, w0, from_euler(x1_0)[0])
     return H * np.arange(len(rows)), records["x1"].copy(), records["x2"].copy(), motion
 
 
 def test_rates_are_jacobis_elliptic_functions(flight):
-    # When a free body tumbles for 60 s, its rates follow cn, sn and dn to 1e-9 rad/s (measured: below 1e-11).
+    # When a free body tumbles for 60 s, its rates follow cn, sn and dn to 1e-9 rad/s (measured: 1e-11).
     t, _, x2, motion = flight
     assert np.ptp(motion.rates(t), axis=0).max() > 0.1  # it does tumble
     np.testing.assert_allclose(x2, motion.rates(t), atol=1e-9)
@@ -52,7 +58,7 @@ def test_attitude_follows_the_precession(flight):
     # Rotation matrices are compared: their distance is the physical angle, whatever the Euler angles are.
     t, x1, _, motion = flight
     error = angle_between(from_euler(x1), motion.attitude(t))
-    assert error.max() < 1e-8  # rad; the demand is 1e-6
+    assert error.max() < 1e-9  # rad; measured 1e-11 or so, the demand is 1e-6
     assert np.abs(x1[:, 1]).max() < 1.4  # theta stays away from the singularity
 
 

@@ -33,6 +33,8 @@ STATE_PROPERTIES = (
 """In the order of the row from `x1` on; the throttle follows, as the aircraft names it, and the ground's force."""
 CONTACT = "forces/fbz-gear-lbs"
 
+TRIM_FRAME_S = 0.005  # the trim does not depend on the rate at which it is flown
+
 _OFFSET = ROW.fields["x1"][1]  # type: ignore[index]
 _READ = struct.Struct(f"{len(STATE_PROPERTIES) + 2}d")
 _WRITE = struct.Struct("12d")
@@ -82,8 +84,8 @@ class JSBSimPlant:
         integrators: dict[str, int] | None = None,
     ) -> None:
         integrators = INTEGRATORS if integrators is None else integrators
-        self.fdm = fdm = load(aircraft, timing.h / timing.substeps)
-        self.trim = trimmed(fdm, aircraft, airspeed, altitude)
+        self.trim = level_trim(aircraft, aircraft.sha256(), airspeed, altitude)
+        self.fdm = fdm = initialised(aircraft, timing.h / timing.substeps)
         start(fdm, aircraft, self.trim, wind_n, integrators)
         self.x1_trim = np.array([0.0, self.trim.alpha, 0.0])
         self.settings: dict[str, Any] = {
@@ -174,12 +176,18 @@ def _node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
     return node
 
 
-def trimmed(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim:
-    """Initialise, check against the companion file, and trim; the FDM is left frozen at the trim."""
+def initialised(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
+    """Return a fresh FDM at frame time dt, s, loaded, initialised and checked against the companion file.
+
+    Raises
+    ------
+    InputError
+        If the aircraft does not load strictly or does not hold what the companion file says.
+    """
+    fdm = load(aircraft, dt)
     try:
         fdm.run_ic()
         check_initialised(aircraft, fdm)
-        return trim_level(fdm, aircraft, airspeed, altitude)
     except (jsbsim.BaseError, KeyError) as error:
         raise InputError(
             f"aircraft {aircraft.name}, {aircraft.xml}",
@@ -187,3 +195,17 @@ def trimmed(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude
             expected="an aircraft whose properties all exist",
             remedy="correct the property name in the XML",
         ) from None
+    return fdm
+
+
+@functools.lru_cache(maxsize=64)
+def level_trim(aircraft: Aircraft, checksum: str, airspeed: float, altitude: float) -> Trim:
+    """Return the level trim, m/s and m, solved once for each state of the aircraft's files (`checksum`).
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    del checksum  # part of the key alone
+    return trim_level(initialised(aircraft, TRIM_FRAME_S), aircraft, airspeed, altitude)

@@ -23,7 +23,8 @@ INTEGRATORS = tuple(
     for motion in ("rotational", "translational")
 )
 
-SPIN_UP_S = 2.0  # long against the propeller's time constant (0.1 s for hale)
+SPIN_UP_S = 2.0  # a step of the solution; long against the propeller's time constant (0.1 s for hale)
+SETTLE_S = 5.0  # before a flight; what is left of the spin-up is below rounding
 TOLERANCE = 1e-6  # m/s^2 and rad/s^2, on each of the three equations
 
 
@@ -129,9 +130,11 @@ def start(
 ) -> None:
     """Start the flight from the trim, in air that moves with `wind_n` (north, east, down), m/s, at time zero.
 
-    The vehicle moves with the air, so that steady wind leaves it in trim. The first frames are flown frozen, so that
-    all models have seen the wind before anything moves.
+    The vehicle moves with the air, so that steady wind leaves it in trim. The first seconds are flown frozen: the
+    propellers come to speed, and all models have seen the wind before anything moves. Every flight starts so, from a
+    fresh FDM, whether its trim was solved just now or before: flights are identical to the bit.
     """
+    freeze(fdm)
     place(fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha)
     if np.any(wind_n):
         air = np.array([trim.airspeed, 0.0, 0.0])  # level, heading north
@@ -143,7 +146,7 @@ def start(
     command(fdm, aircraft, trim.elevator, trim.throttle)
     if aircraft.autothrottle is not None:
         fdm[aircraft.autothrottle.setpoint_fps] = trim.airspeed / FT_M
-    for _ in range(3):
+    for _ in range(round(SETTLE_S / fdm.get_delta_t())):
         fdm.run()
     if aircraft.autothrottle is not None:  # after those frames, or it integrates the error of a stale airspeed
         fdm[aircraft.autothrottle.switch] = 1

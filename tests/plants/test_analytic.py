@@ -1,0 +1,183 @@
+"""The analytic plant against eq. (7): order of the integration, linear response, the switch inside a sample, inputs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from uavftc.plants.analytic import AnalyticPlant
+from uavftc.plants.interface import Timing
+from uavftc.signals import as_records, empty_rows
+from uavftc.stage import Program
+
+HALE_J = np.array([[52723.0, 0.0, -8435.0], [0.0, 6314.0, 0.0], [-8435.0, 0.0, 58771.0]])
+BALL_J = 1000.0 * np.eye(3)  # no gyroscopic coupling: x2 obeys a linear equation exactly
+A_L = np.array([[-8.5, 1.2, -3.5], [-1.5, -1.5, -1.0], [-0.02, 0.0, -2.0]])
+B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])
+ZERO = np.zeros((3, 3))
+
+
+def fly(samples, *, J=HALE_J, A=A_L, B=B_M, h=0.05, substeps=1, switch=0.0, x1=(0, 0, 0), x2=(0, 0, 0), **inputs):
+    """Return the records of `samples` + 1 rows; inputs are arrays (3,) or (samples + 1, 3) of row fields."""
+    plant = AnalyticPlant(J, A, B, Timing(h, substeps, switch))
+    plant._state["x1"], plant._state["x2"] = x1, x2
+    rows = empty_rows(samples + 1)
+    records = as_records(rows)
+    for field, value in inputs.items():
+        records[field] = value
+    if "u2" in inputs and "u2_late" not in inputs:
+        records["u2_late"] = records["u2"]
+    plant.run(Program([*plant.before(), *plant.after()]), rows, 0, len(rows))
+    return records
+
+
+def eq7(x, *, J, A, B, u2, d1, d2):
+    """Return the derivative of [x1, x2] by eqs. (1), (2) in vector form and (7), written here once more."""
+    (phi, theta, _), w = x[:3], x[3:]
+    g1 = np.array(
+        [
+            [1.0, np.sin(phi) * np.tan(theta), np.cos(phi) * np.tan(theta)],
+            [0.0, np.cos(phi), -np.sin(phi)],
+            [0.0, np.sin(phi) / np.cos(theta), np.cos(phi) / np.cos(theta)],
+        ]
+    )
+    return np.concatenate([g1 @ w + d1, np.linalg.solve(J, -np.cross(w, J @ w)) + A @ w + B @ u2 + d2])
+
+
+def exact(x, seconds, **inputs):
+    """Return the state after `seconds` under constant inputs, by a method of order 8."""
+    given = {"J": HALE_J, "A": A_L, "B": B_M, "u2": np.zeros(3), "d1": np.zeros(3), "d2": np.zeros(3)} | inputs
+    solution = solve_ivp(lambda _t, x: eq7(x, **given), (0.0, seconds), x, method="DOP853", rtol=1e-13, atol=1e-15)
+    return solution.y[:, -1]
+
+
+def held(A, B, h):
+    """Return (Ad, Bd): x(t + h) = Ad x(t) + Bd u for an input held over h."""
+    block = expm(h * np.block([[A, B], [np.zeros((3, 6))]]))
+    return block[:3, :3], block[:3, 3:]
+
+
+START = {"x1": (0.3, 0.2, -0.4), "x2": (0.8, -0.6, 0.5)}
+LOADS = {"u2": (0.05, -0.04, 0.03), "d1": (0.02, -0.01, 0.03), "d2": (0.1, 0.2, -0.3)}
+
+
+def test_order_of_convergence_is_four():
+    # Given a nonlinear flight of 1 s, halving the step divides the error by 2^4: the classical rule is whole.
+    x0 = np.concatenate([START["x1"], START["x2"]])
+    reference = exact(x0, 1.0, **{k: np.array(v) for k, v in LOADS.items()})
+    errors = []
+    for substeps in (1, 2, 4, 8):
+        last = fly(20, substeps=substeps, **START, **LOADS)[-1]
+        errors.append(np.max(np.abs(np.concatenate([last["x1"], last["x2"]]) - reference)))
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    np.testing.assert_allclose(orders, 4.0, atol=0.25)
+    assert errors[-1] < 1e-7
+
+
+def test_agrees_with_an_eighth_order_method_at_the_flown_step():
+    # At the 5 ms of a flight the integration error over 1 s is far below anything a metric shows.
+    x0 = np.concatenate([START["x1"], START["x2"]])
+    last = fly(200, h=0.005, **START, **LOADS)[-1]
+    reference = exact(x0, 1.0, **{k: np.array(v) for k, v in LOADS.items()})
+    np.testing.assert_allclose(np.concatenate([last["x1"], last["x2"]]), reference, atol=1e-9)
+
+
+def test_rates_of_a_ball_follow_the_matrix_exponential():
+    # Given a body without gyroscopic coupling, x2 is linear: each row of a flight under changing inputs is Ad x + Bd u.
+    rng = np.random.default_rng(3)
+    u2 = rng.uniform(-0.1, 0.1, (41, 3))
+    x2_0 = np.array([0.4, -0.3, 0.2])
+    records = fly(40, J=BALL_J, h=0.02, substeps=16, x2=x2_0, u2=u2)
+    Ad, Bd = held(A_L, B_M, 0.02)
+    x2 = x2_0
+    for k in range(41):
+        np.testing.assert_allclose(records["x2"][k], x2, atol=1e-10)
+        x2 = Ad @ x2 + Bd @ u2[k]
+
+
+def test_small_motions_of_hale_are_linear():
+    # For rates of 1e-7 rad/s the gyroscopic part is below rounding of the result: expm in six states, attitude too.
+    scale = 1e-7
+    x2_0 = scale * np.array([1.0, -2.0, 3.0])
+    last = fly(100, h=0.02, substeps=16, x2=x2_0)[-1]
+    full = np.block([[ZERO, np.eye(3)], [ZERO, A_L]])
+    expected = expm(2.0 * full) @ np.concatenate([np.zeros(3), x2_0])
+    np.testing.assert_allclose(np.concatenate([last["x1"], last["x2"]]), expected, atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("switch", [0.25, 0.37, 0.999])
+def test_switch_inside_a_sample_is_exact(switch):
+    # A command that changes at t_k + f h is flown as two pieces; a mean command in its place would be 1e-4 off.
+    h, u2, late = 0.05, np.array([0.1, 0.05, -0.1]), np.array([-0.1, 0.02, 0.1])
+    records = fly(1, J=BALL_J, h=h, substeps=32, switch=switch, u2=u2, u2_late=late)
+    first, second = held(A_L, B_M, switch * h), held(A_L, B_M, (1 - switch) * h)
+    expected = second[0] @ (first[1] @ u2) + second[1] @ late
+    np.testing.assert_allclose(records["x2"][1], expected, atol=1e-12)
+    mean = held(A_L, B_M, h)[1] @ (switch * u2 + (1 - switch) * late)
+    assert np.max(np.abs(mean - expected)) > (1e-4 if switch < 0.9 else 1e-8)
+
+
+def test_switch_inside_a_sample_is_exact_for_the_nonlinear_model():
+    # The attitude passes the switch too: two pieces of an eighth-order integration, with the disturbances held.
+    h, switch, late = 0.05, 0.6, np.array([-0.1, 0.02, 0.1])
+    records = fly(1, h=h, substeps=32, switch=switch, u2_late=late, **START, **LOADS)
+    loads = {k: np.array(v) for k, v in LOADS.items()}
+    x = exact(np.concatenate([START["x1"], START["x2"]]), switch * h, **loads)
+    x = exact(x, (1 - switch) * h, **(loads | {"u2": late}))
+    np.testing.assert_allclose(np.concatenate([records["x1"][1], records["x2"][1]]), x, atol=1e-11)
+
+
+def test_without_a_switch_only_the_late_command_acts():
+    # switch = 0 means that the present command holds from t_k on: the earlier one must have no share.
+    records = fly(5, u2=(0.5, 0.5, 0.5), u2_late=(0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(records["x2"], 0.0)
+
+
+def test_d1_adds_to_the_attitude_rates():
+    # Eq. (7): x1' = g1 x2 + d1. At a banked, pitched attitude without rates, x1 moves by d1 t, not by g1 d1 t.
+    d1 = np.array([0.02, -0.03, 0.04])
+    records = fly(20, x1=(0.6, 0.5, 0.1), d1=d1)
+    np.testing.assert_allclose(records["x1"][20] - (0.6, 0.5, 0.1), d1 * 1.0, atol=1e-14)
+    np.testing.assert_array_equal(records["x2"], 0.0)
+
+
+def test_d2_adds_to_the_angular_accelerations():
+    # Eq. (7): x2' = ... + d2, past B_m and past J: without damping one axis spins up by d2 t and no other moves.
+    for axis in range(3):
+        d2 = 0.3 * np.eye(3)[axis]
+        last = fly(20, A=ZERO, J=BALL_J, d2=d2)[-1]
+        np.testing.assert_allclose(last["x2"], d2, rtol=1e-14, atol=1e-15)
+        np.testing.assert_allclose(last["x1"][axis], 0.15, rtol=1e-12)
+
+
+def test_inputs_hold_from_their_row_on():
+    # A command in row k is the first cause of motion in row k + 1 and of no other row: there is no hidden delay.
+    u2 = np.zeros((8, 3))
+    u2[3] = 0.1, 0.1, 0.1
+    records = fly(7, u2=u2)
+    np.testing.assert_array_equal(records["x2"][:4], 0.0)
+    assert np.all(np.abs(records["x2"][4]) > 0.01)
+
+
+def test_slices_fly_as_one():
+    # The loop hands over slices of rows; the flight is the same to the bit wherever they are cut.
+    whole = fly(30, **START, **LOADS)
+    plant = AnalyticPlant(HALE_J, A_L, B_M, Timing(0.05, 1, 0.0))
+    plant._state["x1"], plant._state["x2"] = START["x1"], START["x2"]
+    rows = empty_rows(31)
+    records = as_records(rows)
+    for field, value in {**LOADS, "u2_late": LOADS["u2"]}.items():
+        records[field] = value
+    program = Program([*plant.before(), *plant.after()])
+    for first, last in ((0, 1), (1, 13), (13, 31)):
+        assert plant.run(program, rows, first, last) == last
+    assert records.tobytes() == whole.tobytes()
+
+
+def test_air_data_is_not_a_number():
+    # A rotational model has no airspeed: the row says so, instead of a zero that would pass for a measurement.
+    records = fly(2)
+    for field in ("airspeed", "altitude", "height", "alpha", "beta", "throttle", "wind_n"):
+        assert np.all(np.isnan(records[field])), field

@@ -1,0 +1,239 @@
+"""Loading is strict: what JSBSim lets pass, aborts on or crashes on is an InputError that names the place.
+
+Each case is one typing error in a copy of hale. Every other path through the same code is the shipped aircraft, which
+must load; so a check that refused everything would fail here too.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import jsbsim
+import numpy as np
+import pytest
+
+from uavftc.aircraft import load_aircraft
+from uavftc.errors import InputError
+from uavftc.plants.interface import Timing
+from uavftc.plants.jsbsim import probe
+from uavftc.plants.jsbsim.load import load
+from uavftc.plants.jsbsim.plant import JSBSimPlant
+from uavftc.signals import as_records, empty_rows
+from uavftc.stage import Program
+
+
+def make(folder):
+    """Load an aircraft as a flight does: companion, probe in a child process, load, trim."""
+    aircraft = load_aircraft(str(folder))
+    probe.ensure_loads(aircraft)
+    return plant_of(aircraft)
+
+
+def plant_of(aircraft):
+    still = {"airspeed": 30.0, "altitude": 1000.0, "wind_n": np.zeros(3)}
+    return JSBSimPlant(aircraft, Timing(0.005, 1, 0.0), **still, has_wind=False, has_moment=True)
+
+
+def line_of(folder, file, text):
+    """Return the number of the first line of a file that holds the text."""
+    lines = (folder / file).read_text(encoding="utf-8").splitlines()
+    return next(number for number, line in enumerate(lines, start=1) if text in line)
+
+
+IXZ = '<ixz unit="SLUG*FT2">6221.33672915</ixz>'
+
+# name: file, changes, what the error must hold; {line} is the line of the first changed text
+TYPOS = {
+    # an element that JSBSim passes over in silence
+    "emptywt": ("hale.xml", [("emptywt", "emptywgt")], ["hale.xml, line {line}", "<emptywgt>", "write <emptywt>"]),
+    "ixz": ("hale.xml", [(IXZ, IXZ.replace("ixz", "ixzz"))], ["hale.xml, line {line}", "<ixzz>", "ixz, iyy"]),
+    "iyy": ("hale.xml", [("iyy", "iyyy")], ["hale.xml, line {line}", "<iyyy>", "write <iyy>"]),
+    "root tag": ("hale.xml", [("fdm_config", "fdm_konfig")], ["hale.xml, line 3", "<fdm_konfig>", "fdm_config"]),
+    "section": ("hale.xml", [("mass_balance", "mas_balance")], ["hale.xml", "No mass_balance element"]),
+    # a value that says something else than the companion file
+    "sign of ixz": ("hale.xml", [(IXZ, IXZ.replace("6221", "-6221"))], ["hale.xml", "inertia", "8435", "-8435"]),
+    "KG*M2": (
+        "hale.xml",
+        [('<iyy unit="SLUG*FT2">4656.96741054</iyy>', '<iyy unit="KG*M2">6314</iyy>')],
+        ["hale.xml", "inertia", "6313.43", "9e-5 off"],
+    ),
+    "mass claimed": ("uavftc.yaml", [("mass_kg: 425", "mass_kg: 426")], ["mass", "426 kg", "uavftc.yaml"]),
+    "span claimed": ("uavftc.yaml", [("span_m: 50", "span_m: 50.001")], ["span", "50.001 m", "uavftc.yaml"]),
+    # what JSBSim refuses itself, in a way that must not escape as another exception
+    "unit": ("hale.xml", [('<wingarea unit="M2">', '<wingarea unit="M22">')], ["hale.xml, line {line}", '"M22"']),
+    "no number": ("hale.xml", [(">50</wingspan>", ">fifty</wingspan>")], ["hale.xml, line {line}", "fifty"]),
+    "axis": ("hale.xml", [('axis name="ROLL"', 'axis name="ROL"')], ["hale.xml, line {line}", "ROL"]),
+    "operator": (
+        "hale.xml",
+        [("<pow>", "<powe>"), ("</pow>", "</powe>")],
+        ["hale.xml, line", "<powe>"],
+    ),
+    "malformed": ("hale.xml", [("</metrics>", "</metric>")], ["hale.xml, line {line}", "malformed XML"]),
+    "malformed engine": (
+        "engine/hale_motor.xml",
+        [("</electric_engine>", "")],
+        ["engine/hale_motor.xml", "line 7", "XML parse error"],
+    ),
+    "missing engine": ("hale.xml", [('file="hale_motor"', 'file="no_motor"')], ["line {line}", "no_motor"]),
+    "missing system": ("hale.xml", [('file="hale_autothrottle"', 'file="no_system"')], ["line {line}", "no_system"]),
+    "missing planet": ("uavftc.yaml", [("planet: flat_planet", "planet: no_planet")], ["no_planet.xml"]),
+    "unit in planet": ("flat_planet.xml", [("RAD/SEC", "RAD/SECOND")], ["flat_planet.xml, line {line}", "RAD/SECOND"]),
+    "space in an XML property": (
+        "hale.xml",
+        [("<property>aero/beta-rad</property>", "<property>aero/beta rad</property>")],
+        ["hale.xml", "aero/beta rad"],
+    ),
+    # what aborts the process from native code
+    "property of an aerodynamic function": (
+        "hale.xml",
+        [("<property>aero/beta-rad</property>", "<property>aero/bata-rad</property>")],
+        ["hale.xml", "aero/bata-rad"],
+    ),
+    "input of a component": (
+        "hale.xml",
+        [("<input>fcs/elevator-sum</input>", "<input>fcs/elevator-summ</input>")],
+        ["hale.xml", "fcs/elevator-summ"],
+    ),
+    # names in the companion file: JSBSim would create them silently
+    "command": ("uavftc.yaml", [("fcs/aileron-cmd-norm", "fcs/aileron-cmd")], ["uavftc.yaml", "aileron.command"]),
+    "elevator": ("uavftc.yaml", [("fcs/elevator-cmd-norm", "fcs/elevator-cmd")], ["uavftc.yaml", "elevator.command"]),
+    "position": ("uavftc.yaml", [("fcs/rudder-pos-rad", "fcs/ruder-pos-rad")], ["uavftc.yaml", "rudder.position"]),
+    "throttle": ("uavftc.yaml", [("fcs/throttle-cmd-norm[0]", "fcs/throtle[0]")], ["uavftc.yaml", "throttle.command"]),
+    "autothrottle": ("uavftc.yaml", [("ap/at-on", "ap/att-on")], ["uavftc.yaml", "autothrottle.switch", "ap/att-on"]),
+    "moment": ("uavftc.yaml", [("moment: dist ", "moment: dst ")], ["uavftc.yaml", "disturbance_moment", "dst/l"]),
+    # names that abort the process as soon as JSBSim is asked for them
+    "name with a space": (
+        "uavftc.yaml",
+        [("fcs/rudder-cmd-norm", "fcs/rudder cmd")],
+        ["uavftc.yaml, line {line}, key surfaces.rudder.command", "fcs/rudder cmd"],
+    ),
+    "name with a mark": ("uavftc.yaml", [("fcs/rudder-cmd-norm", "fcs/rudder!")], ["line {line}", "fcs/rudder!"]),
+    "name with a digit first": ("uavftc.yaml", [("fcs/rudder-cmd-norm", "fcs/9r")], ["line {line}", "fcs/9r"]),
+}
+
+
+@pytest.mark.parametrize("name", TYPOS)
+def test_a_typing_error_is_told_with_its_place(name, edited):
+    # Given hale with one typing error, when it is made ready for flight, then the error names file, place and word.
+    file, changes, told = TYPOS[name]
+    folder = edited(file, *changes)
+    line = line_of(folder, file, changes[0][1]) if changes[0][1] else 0
+    with pytest.raises(InputError) as error:
+        make(folder)
+    text = str(error.value)
+    for part in told:
+        assert part.format(line=line) in text
+    assert error.value.found
+    assert error.value.remedy
+
+
+def test_hale_loads_and_the_probe_remembers_it(hale, own_cache, monkeypatch):
+    # A good aircraft passes, and its second probe starts no child process: a flight must not pay for one each time.
+    probe.ensure_loads(hale)
+    assert len(list((own_cache / "aircraft").glob(f"{hale.sha256()}-*"))) == 1
+
+    def no_child(*_args, **_options):
+        raise AssertionError("the probe started a child process again")
+
+    monkeypatch.setattr(subprocess, "run", no_child)
+    probe.ensure_loads(hale)
+
+
+def test_a_changed_engine_file_is_probed_again(edited):
+    # The mark is the checksum of all files: a change in an engine file makes another aircraft of it.
+    folder = edited("engine/hale_motor.xml", ("25000", "26000"))
+    changed = load_aircraft(str(folder))
+    assert changed.sha256() != load_aircraft("hale").sha256()
+    assert not probe._mark(changed).is_file()
+
+
+def test_a_crash_is_not_remembered_as_a_success(edited):
+    # What aborted once must be refused at the second try as well.
+    folder = edited("hale.xml", ("<property>aero/beta-rad</property>", "<property>aero/bata-rad</property>"))
+    aircraft = load_aircraft(str(folder))
+    for _ in range(2):
+        with pytest.raises(InputError, match="SIGABRT"):
+            probe.ensure_loads(aircraft)
+
+
+def test_a_folder_without_its_files_is_told(edited):
+    # The two files that make an aircraft are named when one is missing.
+    folder = edited("hale.xml", ("hale", "hale"))
+    (folder / "hale.xml").unlink()
+    with pytest.raises(InputError, match=re.escape("without hale.xml")):
+        make(folder)
+
+
+def test_every_flight_has_a_fresh_executive(hale, monkeypatch):
+    # load_model twice on one FGFDMExec crashes at its destruction, and a reset keeps wind and moments.
+    made = []
+
+    class Counting(jsbsim.FGFDMExec):
+        def __init__(self, *args):
+            made.append([self, 0])
+
+        def load_model(self, *args):
+            next(entry for entry in made if entry[0] is self)[1] += 1
+            return super().load_model(*args)
+
+    monkeypatch.setattr(jsbsim, "FGFDMExec", Counting)
+    plants = [plant_of(hale) for _ in range(3)]
+    assert len(made) >= len(plants)
+    assert {loads for _, loads in made} == {1}
+    assert len({id(plant.fdm) for plant in plants}) == 3
+
+
+def test_flights_in_one_process_do_not_disturb_each_other(hale):
+    # Given a flight that was pushed by d2, when another starts after it and in step with it, it is as if alone.
+    def fly(pushed):
+        plant = plant_of(hale)
+        rows = empty_rows(200)
+        as_records(rows)["d2"] = (0.3, 0.1, 0.2) if pushed else 0.0
+        return plant, Program([*plant.before(), *plant.after()]), rows
+
+    plant, program, alone = fly(pushed=False)
+    plant.run(program, alone, 0, 200)
+    flights = [fly(pushed=True), fly(pushed=False)]
+    for k in range(200):
+        for plant, program, rows in flights:
+            plant.run(program, rows, k, k + 1)
+    assert flights[1][2].tobytes() == alone.tobytes()
+    assert np.ptp(as_records(flights[0][2])["x2"][:, 0]) > 0.01
+
+
+def test_dt_is_set_before_the_load(hale):
+    # FCS components keep the frame time they are loaded with: another dt after the load would falsify their filters.
+    assert load(hale, 0.002).get_delta_t() == 0.002
+
+
+def test_first_load_off_the_main_thread_is_refused():
+    # Installing JSBSim's logger off the main thread crashes the process; the guard says so in Python instead.
+    code = """
+import threading
+from uavftc.aircraft import load_aircraft
+from uavftc.plants.jsbsim.load import load
+def work():
+    try:
+        load(load_aircraft("hale"), 0.005)
+    except RuntimeError as error:
+        print("refused:", error)
+thread = threading.Thread(target=work)
+thread.start()
+thread.join()
+load(load_aircraft("hale"), 0.005)
+print("main thread loads")
+"""
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert child.returncode == 0, child.stderr
+    assert "refused:" in child.stdout
+    assert "main thread" in child.stdout.splitlines()[0]
+    assert child.stdout.splitlines()[-1] == "main thread loads"
+
+
+def test_nothing_is_printed(hale, capfd):
+    # JSBSim writes a page on every load by default; a user's console shows none of it.
+    plant_of(hale)
+    out, err = capfd.readouterr()
+    assert out == err == ""
