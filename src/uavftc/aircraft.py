@@ -7,11 +7,13 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field, PrivateAttr, ValidationError
+from pydantic import AfterValidator, Field, PrivateAttr, ValidationError
+from pydantic_core import PydanticCustomError
 
 from uavftc.errors import InputError, join
 from uavftc.resources import aircraft_dir, aircraft_names
@@ -23,8 +25,16 @@ from uavftc.scenario.values import Matrix3, Model, Positive
 COMPANION = "uavftc.yaml"
 
 # JSBSim aborts the process when asked for a name that is no XML name, so no other ever reaches it.
-_PROPERTY = r"^[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?(/[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?)*$"
-Property = Annotated[str, Field(pattern=_PROPERTY, max_length=200)]
+_PROPERTY = r"[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?(/[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?)*"
+
+
+def _property(name: str) -> str:
+    if len(name) > 200 or not re.fullmatch(_PROPERTY, name):
+        raise PydanticCustomError("property", "the path of a JSBSim property, such as fcs/aileron-cmd-norm or a/b[1]")
+    return name
+
+
+Property = Annotated[str, AfterValidator(_property)]
 
 
 class InitialCondition(Model):

@@ -1,8 +1,9 @@
 """Strict loading of a JSBSim aircraft.
 
 JSBSim lets several typing errors pass: an unknown element leaves a mass or an inertia at zero, an unknown operator
-leaves a line in the log. Here any message of level WARN or worse, any unknown element where a mistake would pass in
-silence, and any difference from the mass properties of the companion file is an `InputError`.
+leaves a line in the log. Here an `InputError` is raised for any message of level WARN or worse, any unknown element
+inside `metrics` and `mass_balance`, and any difference from the mass properties of the companion file. An element that
+JSBSim passes over elsewhere (a whole aerodynamic term, say) is not found by this.
 """
 
 from __future__ import annotations

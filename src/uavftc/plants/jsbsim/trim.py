@@ -25,6 +25,7 @@ INTEGRATORS = tuple(
 
 SPIN_UP_S = 2.0  # a step of the solution; long against the propeller's time constant (0.1 s for hale)
 SETTLE_S = 5.0  # before a flight; what is left of the spin-up is below rounding
+STARTS = (0.5, 0.1, 0.9)  # throttle to start the solution from, in turn: a stopped propeller has no slope
 TOLERANCE = 1e-6  # m/s^2 and rad/s^2, on each of the three equations
 
 
@@ -108,8 +109,11 @@ def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altit
             fdm.run()
         return residual(fdm)
 
-    solution = root(equations, [0.0, 0.0, 0.5], method="hybr", options={"eps": 1e-6, "xtol": 1e-12})
-    error = equations(solution.x)
+    for throttle in STARTS:
+        solution = root(equations, [0.0, 0.0, throttle], method="hybr", options={"eps": 1e-6, "xtol": 1e-12})
+        error = equations(solution.x)
+        if max(map(abs, error)) < TOLERANCE:
+            break
     alpha, elevator, throttle = map(float, solution.x)
     trim = Trim(airspeed, altitude, alpha, elevator, throttle, error)
     if not max(map(abs, error)) < TOLERANCE or not 0.0 <= trim.throttle <= 1.0:
