@@ -175,6 +175,7 @@ def inner_blocks(inner: L1Inner | MracInner, h: float, psi_0: float) -> list[Blo
         "A_s": A_s,
         "P_B_m": lyapunov_P(A_s, np.array(inner.Q)) @ B_m,
         "Gamma": inner.adaptation_gain,
+        "explicit": float(inner.integration == "explicit"),
         "omega_min": inner.effectiveness_bounds[0],
         "omega_max": inner.effectiveness_bounds[1],
         "W_max": inner.weight_bound,

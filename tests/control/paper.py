@@ -9,7 +9,8 @@ from uavftc.stage import Program, Stage, params_of
 
 A_M = np.array([[-8.5, 1.2, -3.5], [-1.5, -1.5, -1.0], [-0.02, 0.0, -2.0]])
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])
-A_S = A_M + np.eye(3)
+K_1 = np.eye(3)
+A_S = A_M + K_1
 INERTIA = np.array([[52723.0, 0.0, -8435.0], [0.0, 6314.0, 0.0], [-8435.0, 0.0, 58771.0]])
 CENTRES = np.array([-0.2, -0.1, 0.0, 0.1, 0.2])
 WIDTH = 0.4
@@ -50,6 +51,7 @@ def inner_params(dtype: np.dtype, **changes: object) -> np.ndarray:
         "A_s": A_S,
         "P_B_m": P @ B_M,
         "Gamma": GAMMA,
+        "explicit": 0.0,
         "omega_min": -np.inf,
         "omega_max": np.inf,
         "W_max": np.inf,

@@ -76,6 +76,7 @@ class _AdaptiveInner(Model):
     weight_bound: Positive = 50.0
     offset_bound: Positive = 50.0
     reference_gain: Literal["plant", "printed"] = "plant"
+    integration: Literal["implicit", "explicit"] = "implicit"
     rbf: Rbf = Rbf()
 
     @model_validator(mode="after")

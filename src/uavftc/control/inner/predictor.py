@@ -13,7 +13,8 @@ those applied over the step). Inserting the adaptive laws into the predictor lea
     [ I - h A_s + h^2 Gamma B_m diag(1 + Phi^T Phi + v_i^2) B_m^T P ] x2_tilde
         = x2_hat_old - x2 + h ( A_m x2 + B_m (omega_hat v_ad + W_hat^T Phi + eps_hat) )
 
-It is stable at every sample rate. The projection keeps each estimate inside its bounds after the step; for a box that
+It is stable at every sample rate. Forward Euler (`explicit`), in which x2_tilde of the old sample drives everything,
+is there to show its effect: with Gamma = 1e5 it needs steps far below 1 ms. The projection keeps each estimate inside its bounds after the step; for a box that
 is the nearest admissible point, which is what the continuous operator of the paper's [35] tends to.
 
 The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.py`): their records hold the fields of
@@ -33,6 +34,7 @@ PREDICTOR_PARAMS = [
     ("A_s", "f8", (3, 3)),  # A_m + K_1
     ("P_B_m", "f8", (3, 3)),  # P B_m
     ("Gamma", "f8"),  # adaptation gain
+    ("explicit", "f8"),  # 0: the implicit step; 1: forward Euler, to show what it does
     ("omega_min", "f8"),  # projection bounds of omega_hat
     ("omega_max", "f8"),
     ("W_max", "f8"),  # bound of |W_hat|, each element, rad
@@ -44,6 +46,7 @@ PREDICTOR_PARAMS = [
 PREDICTOR_STATE = [
     ("started", "f8"),
     ("x2_hat", "f8", (3,)),  # rad/s
+    ("x2", "f8", (3,)),  # previous measurement, rad/s
     ("x2_tilde", "f8", (3,)),  # rad/s
     ("omega_hat", "f8", (3,)),
     ("W_hat", "f8", (NODES, 3)),  # rad
@@ -65,6 +68,7 @@ def start(s, x2):
     """Begin: the predictor at the measurement, no uncertainty assumed, no command."""
     for i in range(3):
         s.x2_hat[i] = x2[i]
+        s.x2[i] = x2[i]
         s.omega_hat[i] = 1.0
     s.started = 1.0
 
@@ -76,6 +80,38 @@ def lumped(s, i):
     for n in range(NODES):
         total += s.W_hat[n, i] * s.Phi[n]
     return total
+
+
+@law
+def implicit_error(p, s, x2, input_, square):
+    """Return x2_tilde at the new sample, rad/s, by the implicit step; `input_` = B_m eta_hat of the old estimates."""
+    h, v = p.h, s.v_ad
+    model = multiply(p.A_m, x2)
+    right = (
+        s.x2_hat[0] - x2[0] + h * (model[0] + input_[0]),
+        s.x2_hat[1] - x2[1] + h * (model[1] + input_[1]),
+        s.x2_hat[2] - x2[2] + h * (model[2] + input_[2]),
+    )
+    for i in range(3):
+        for j in range(3):
+            adapted = 0.0
+            for m in range(3):
+                adapted += p.B_m[i, m] * (square + v[m] * v[m]) * p.P_B_m[j, m]
+            s.M[i, j] = (1.0 if i == j else 0.0) - h * p.A_s[i, j] + h * h * p.Gamma * adapted
+    return solve(s.M, right)
+
+
+@law
+def explicit_prediction(p, s, input_):
+    """Return x2_hat at the new sample, rad/s, by forward Euler: A_m x2_hat + K_1 x2_tilde = A_s x2_tilde + A_m x2."""
+    h = p.h
+    error = multiply(p.A_s, s.x2_tilde)
+    model = multiply(p.A_m, s.x2)
+    return (
+        s.x2_hat[0] + h * (error[0] + model[0] + input_[0]),
+        s.x2_hat[1] + h * (error[1] + model[1] + input_[1]),
+        s.x2_hat[2] + h * (error[2] + model[2] + input_[2]),
+    )
 
 
 @law
@@ -93,22 +129,17 @@ def advance(p, s, x2):
         s.omega_hat[1] * v[1] + lumped(s, 1),
         s.omega_hat[2] * v[2] + lumped(s, 2),
     )
-    model = multiply(p.A_m, x2)
     input_ = multiply(p.B_m, eta_hat)
-    right = (
-        s.x2_hat[0] - x2[0] + h * (model[0] + input_[0]),
-        s.x2_hat[1] - x2[1] + h * (model[1] + input_[1]),
-        s.x2_hat[2] - x2[2] + h * (model[2] + input_[2]),
-    )
+    if p.explicit != 0.0:
+        driving = (s.x2_tilde[0], s.x2_tilde[1], s.x2_tilde[2])
+        new = explicit_prediction(p, s, input_)
+        x2_tilde = (new[0] - x2[0], new[1] - x2[1], new[2] - x2[2])
+    else:
+        x2_tilde = implicit_error(p, s, x2, input_, square)
+        driving = x2_tilde
+    rate = multiply_transposed(p.P_B_m, driving)
     for i in range(3):
-        for j in range(3):
-            adapted = 0.0
-            for m in range(3):
-                adapted += p.B_m[i, m] * (square + v[m] * v[m]) * p.P_B_m[j, m]
-            s.M[i, j] = (1.0 if i == j else 0.0) - h * p.A_s[i, j] + h * h * p.Gamma * adapted
-    x2_tilde = solve(s.M, right)
-    rate = multiply_transposed(p.P_B_m, x2_tilde)
-    for i in range(3):
+        s.x2[i] = x2[i]
         s.x2_tilde[i] = x2_tilde[i]
         s.x2_hat[i] = x2[i] + x2_tilde[i]
         change = h * p.Gamma * rate[i]
