@@ -77,8 +77,8 @@ class Metrics:
         return result
 
 
-def metrics_of(records: np.ndarray) -> dict[str, dict[str, float | None]]:
-    """Return the metrics of a whole flight held in memory, shape (n,), dtype `signals.ROW`."""
+def metrics_of(records: np.ndarray, *, completed: bool = True) -> dict[str, dict[str, float | None]]:
+    """Return the metrics of a whole flight held in memory, shape (n,), dtype `signals.ROW`; see `Metrics.axes`."""
     metrics = Metrics()
     metrics.take(records)
-    return metrics.axes()
+    return metrics.axes(completed=completed)

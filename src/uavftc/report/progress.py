@@ -14,6 +14,14 @@ def progress(total_rows: int, *, label: str = "flying", quiet: bool = False) -> 
     Nothing is shown, and rich is not imported, when `quiet` or when standard error is not a terminal. The bar
     disappears at the end, so that only results stay on the screen.
     """
+    with stages(quiet=quiet) as show:
+        show(0, total_rows, label)
+        yield lambda rows_done: show(rows_done, total_rows, label)
+
+
+@contextmanager
+def stages(*, quiet: bool = False) -> Iterator[Callable[[int, int, str], None]]:
+    """Show a job of several stages; yields `advance(done, total, label)`. Shown where `progress` is shown."""
     if quiet or not sys.stderr.isatty():
         yield _ignore
         return
@@ -27,21 +35,20 @@ def progress(total_rows: int, *, label: str = "flying", quiet: bool = False) -> 
         TaskProgressColumn(),
         TimeRemainingColumn(),
     )
-    # Refreshed by the flight itself, a few times a second: a drawing thread would wait for compiled code anyway.
+    # Refreshed by the job itself, a few times a second: a drawing thread would wait for compiled code anyway.
     with Progress(*columns, console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
-        task = bar.add_task(label, total=max(total_rows, 1))
-        bar.refresh()
-        last = bar.get_time()
+        task = bar.add_task("", total=1)
+        last = bar.get_time() - 1.0
 
-        def advance(rows_done: int) -> None:
+        def advance(done: int, total: int, label: str) -> None:
             nonlocal last
             now = bar.get_time()
-            if now - last >= 0.1 or rows_done >= total_rows:
-                bar.update(task, completed=rows_done, refresh=True)
+            if now - last >= 0.1 or done >= total:
+                bar.update(task, completed=done, total=max(total, 1), description=label, refresh=True)
                 last = now
 
         yield advance
 
 
-def _ignore(rows_done: int) -> None:
+def _ignore(done: int, total: int, label: str) -> None:
     pass

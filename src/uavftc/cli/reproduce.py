@@ -1,0 +1,45 @@
+"""`uavftc reproduce`: section 4 of the paper again, each number beside the printed one."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uavftc.errors import InputError
+
+_PLANTS = {"analytic": ("analytic",), "jsbsim": ("jsbsim",), "both": ("analytic", "jsbsim")}
+
+
+def reproduce(
+    plant: Annotated[str, typer.Option(help="analytic, jsbsim or both.")] = "both",
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Result folder.")] = Path("results/reproduce"),
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Fly the paper's scenarios with all its controllers and write Tables 2 to 6 and Figures 2 to 11 beside the print.
+
+    Writes reproduction.md (the page to read), reproduce.json, tables.csv, improvements.csv, summary.json and figures.
+    """
+    if plant not in _PLANTS:
+        raise InputError(
+            f"--plant {plant}", found=f"'{plant}'", expected="analytic, jsbsim or both", remedy="choose one of them"
+        )
+    from uavftc.paper.reproduction import Reproduction  # noqa: PLC0415
+    from uavftc.paper.reproduction import reproduce as run  # noqa: PLC0415
+    from uavftc.report.progress import stages  # noqa: PLC0415
+    from uavftc.stage import is_compiled  # noqa: PLC0415
+
+    if not quiet and not is_compiled():
+        print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
+    with stages(quiet=quiet) as advance:
+        result: Reproduction = run(_PLANTS[plant], out, figures=not no_plots, advance=advance)
+    if quiet:
+        return
+    from rich.console import Console  # noqa: PLC0415
+
+    from uavftc.paper.terminal import print_reproduction  # noqa: PLC0415
+
+    print_reproduction(Console(), result, out)
