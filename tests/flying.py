@@ -7,7 +7,7 @@ import functools
 import numpy as np
 
 from uavftc.analysis.metrics import INTEGRALS, metrics_of
-from uavftc.build import Flight, build
+from uavftc.build import Flight, build_flight
 from uavftc.flight import Outcome, fly_to_memory
 from uavftc.scenario.load import load_scenario
 from uavftc.signals import AXES
@@ -18,7 +18,7 @@ def flown(
     scenario: str, plant: str = "jsbsim", controller: str | None = None, overrides: tuple[str, ...] = ()
 ) -> tuple[Flight, np.ndarray, Outcome]:
     """Return (flight, records, outcome) of a shipped scenario."""
-    flight = build(load_scenario(scenario, plant=plant, controller=controller, overrides=overrides))
+    flight = build_flight(load_scenario(scenario, plant=plant, controller=controller, overrides=overrides))
     records, outcome = fly_to_memory(flight)
     records.setflags(write=False)
     return flight, records, outcome

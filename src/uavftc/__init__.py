@@ -22,7 +22,7 @@ _PUBLIC = {
     "InputError": "uavftc.errors",
 }
 
-__all__ = [*_PUBLIC, "__version__"]  # noqa: PLE0604, PLE0605
+__all__ = [*_PUBLIC, "__version__"]  # noqa: PLE0604
 
 if TYPE_CHECKING:
     from uavftc.analysis.metrics import metrics_of as metrics_of

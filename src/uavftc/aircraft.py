@@ -1,7 +1,7 @@
 """Aircraft definitions: a folder with a JSBSim model, and beside it what the project needs beyond the XML.
 
-    NAME/NAME.xml       the JSBSim model; engine/ and systems/ beside it if it has any
-    NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, the analytic model
+NAME/NAME.xml       the JSBSim model; engine/ and systems/ beside it if it has any
+NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, the analytic model
 """
 
 from __future__ import annotations
@@ -211,4 +211,3 @@ def _folder(aircraft: str, where: str) -> Path:
         expected=f"a shipped aircraft ({', '.join(aircraft_names())}) or the path of an aircraft folder",
         remedy="check the spelling; a relative path counts from the scenario file, with --aircraft from here",
     )
-

@@ -1,4 +1,7 @@
-"""From a scenario to a flight that is ready: aircraft, plant, controller, actuators, inputs. Nothing reads YAML after."""
+"""From a scenario to a flight that is ready: aircraft, plant, controller, actuators, inputs.
+
+Nothing reads YAML after this.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,7 @@ class Flight:
     """Controller steps N; the history has N + 1 rows."""
 
 
-def build(scenario: Scenario) -> Flight:
+def build_flight(scenario: Scenario) -> Flight:
     """Return a flight ready to be flown.
 
     Raises
@@ -123,7 +126,8 @@ def make_plant(scenario: Scenario, aircraft: Aircraft, timing: Timing) -> tuple[
 
     ensure_loads(aircraft)
     air = Inputs(scenario, np.zeros(3))
-    assert scenario.initial.airspeed_mps is not None and scenario.initial.altitude_m is not None  # resolved
+    assert scenario.initial.airspeed_mps is not None  # resolved
+    assert scenario.initial.altitude_m is not None
     jsbsim = JSBSimPlant(
         aircraft,
         timing,
@@ -191,13 +195,9 @@ def inner_blocks(inner: L1Inner | MracInner, h: float, psi_0: float) -> list[Blo
     return [mrac.stage.block(params_of(mrac.PARAMS, **shared))]
 
 
-def actuator_blocks(
-    scenario: Scenario, aircraft: Aircraft, plant: Plant, timing: Timing, whole: int
-) -> list[Block]:
+def actuator_blocks(scenario: Scenario, aircraft: Aircraft, plant: Plant, timing: Timing, whole: int) -> list[Block]:
     """Return the chain on the surfaces: delay, saturation, effectiveness and bias, mechanical stops."""
-    line = delay.stage.block(
-        params_of(delay.PARAMS, whole=whole, partial=timing.switch), delay.memory(whole)
-    )
+    line = delay.stage.block(params_of(delay.PARAMS, whole=whole, partial=timing.switch), delay.memory(whole))
     limits = scenario.limits_rad()
     stops = aircraft.stops_rad()
     trim = plant.surface_trim

@@ -37,7 +37,7 @@ def step(p, s, row):
         row.status = SLOW
     elif row.airspeed > p.airspeed_max:
         row.status = FAST
-    elif row.height <= 0.0 or row.contact != 0.0:
+    elif row.height <= 0.0 or abs(row.contact) > 0.0:
         row.status = GROUND
 
 

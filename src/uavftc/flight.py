@@ -40,7 +40,7 @@ def fly(flight: Flight, recorders: Sequence[Recorder] = (), progress: Callable[[
     Parameters
     ----------
     flight
-        From `build.build`; it can be flown once.
+        From `build.build_flight`; it can be flown once.
     recorders
         Each takes every row, in order.
     progress

@@ -29,5 +29,5 @@ def body_rates(x1, x1_dot):
 
 @law
 def wrapped(angle):
-    """Return the angle moved by whole turns into [-pi, pi), rad."""
+    """Return the angle moved by whole turns into [-pi, pi), rad, up to rounding at the ends."""
     return (angle + pi) % (2.0 * pi) - pi

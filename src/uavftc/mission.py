@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from uavftc.analysis.metrics import Metrics
-from uavftc.build import Flight, build
+from uavftc.build import Flight, build_flight
 from uavftc.flight import Outcome, fly
 from uavftc.recorder import ParquetRecorder, read_history
 from uavftc.report.results import ResultFolder
@@ -53,7 +53,7 @@ def fly_mission(
     """
     folder = ResultFolder(out)
     folder.check()
-    flight = build(scenario)
+    flight = build_flight(scenario)
     text = scenario_text(flight.scenario)
     origin = origin_of(flight, text)
     metadata = {"scenario": text, **{k: str(v) for k, v in origin.items()}}

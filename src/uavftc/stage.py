@@ -168,8 +168,17 @@ def _compiled_run_rows() -> Callable[..., int]:
 
 # --- the cache of compiled laws --------------------------------------------------------------------------------------
 
-_COMPILED = ("stage.py", "signals.py", "kinematics.py", "linear3.py", "envelope.py",
-             "control", "sensors", "actuators", "plants")
+_COMPILED = (
+    "stage.py",
+    "signals.py",
+    "kinematics.py",
+    "linear3.py",
+    "envelope.py",
+    "control",
+    "sensors",
+    "actuators",
+    "plants",
+)
 """Where compiled code lives. numba notices a change in the file of an entry only; the hash of all of them covers
 what the entries call."""
 
@@ -194,9 +203,17 @@ def compile_cache_dir() -> Path:
         folder = base / name
         with contextlib.suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            if os.access(folder, os.W_OK):
+            if os.access(folder, os.W_OK) and _is_ours(base) and _is_ours(folder):
                 return folder
     return Path(tempfile.mkdtemp(prefix="uavftc-"))
+
+
+def _is_ours(folder: Path) -> bool:
+    """Whether nobody else can write there: what lies in the cache is run."""
+    if not hasattr(os, "getuid"):
+        return True
+    status = folder.stat()
+    return status.st_uid == os.getuid() and not status.st_mode & 0o022
 
 
 def is_compiled() -> bool:

@@ -66,7 +66,9 @@ def test_quiet_is_silent(tmp_path: Path) -> None:
 
 
 def test_options_name_the_folder(tmp_path: Path) -> None:
-    done = fly(tmp_path, "scenario1", "--aircraft", "hale", "--controller", "ndi-l1", "--plant", "analytic", "--no-plots")
+    done = fly(
+        tmp_path, "scenario1", "--aircraft", "hale", "--controller", "ndi-l1", "--plant", "analytic", "--no-plots"
+    )
     assert done.returncode == 0, done.stderr
     assert [p.name for p in (tmp_path / "results").iterdir()] == ["scenario1-ndi-l1-analytic-hale"]
 
@@ -127,7 +129,10 @@ WRONG = {
         lambda d: ["scenario3", "--set", "faults[0].bias_deg=\"__import__('os')\""],
         ["faults[0].bias_deg", "__import__"],
     ),
-    "no such aircraft": (lambda d: ["scenario3", "--aircraft", "./nowhere"], ["--aircraft", "nowhere", "does not exist"]),
+    "no such aircraft": (
+        lambda d: ["scenario3", "--aircraft", "./nowhere"],
+        ["--aircraft", "nowhere", "does not exist"],
+    ),
     "an aircraft by a wrong name": (lambda d: ["scenario3", "--aircraft", "hail"], ["aircraft", "hail", "hale"]),
     "a typo in the aircraft": (
         lambda d: ["scenario3", "--aircraft", _aircraft(d, "emptywt", "emptywgt")],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flying import flown
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.flight import fly_to_memory
 from uavftc.scenario.load import load_scenario, scenario_text
 
@@ -47,7 +47,7 @@ def test_the_surface_is_the_fault_of_the_limited_command(plant: str, controller:
 
 def test_a_second_flight_is_identical_to_the_bit(plant: str, controller: str) -> None:
     flight, records, _ = flown("scenario3", plant, controller)
-    again, _ = fly_to_memory(build(load_scenario("scenario3", plant=plant, controller=controller)))
+    again, _ = fly_to_memory(build_flight(load_scenario("scenario3", plant=plant, controller=controller)))
     assert records.tobytes() == again.tobytes()
 
 
@@ -57,7 +57,7 @@ def test_the_scenario_as_flown_flies_the_same(
     flight, records, _ = flown("scenario3", plant, controller)
     file = tmp_path_factory.mktemp("as-flown") / "scenario.yaml"
     file.write_text(scenario_text(flight.scenario), encoding="utf-8")
-    again, _ = fly_to_memory(build(load_scenario(file)))
+    again, _ = fly_to_memory(build_flight(load_scenario(file)))
     assert records.tobytes() == again.tobytes()
 
 

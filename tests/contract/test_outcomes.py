@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flying import flown
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.flight import CHUNK_ROWS, SLICE_ROWS, fly, fly_to_memory
 from uavftc.recorder import MemoryRecorder
 from uavftc.scenario.load import load_scenario
@@ -46,7 +46,7 @@ def test_what_is_not_a_number_is_reported_and_not_recorded() -> None:
 
 def test_the_recorder_gets_every_row_once_across_chunks() -> None:
     duration = 2 * CHUNK_ROWS / 200 + 1
-    flight = build(load_scenario("scenario2", plant="analytic", overrides=(f"duration_s={duration}",)))
+    flight = build_flight(load_scenario("scenario2", plant="analytic", overrides=(f"duration_s={duration}",)))
     records, outcome = fly_to_memory(flight)
     assert outcome.rows == len(records) == 2 * CHUNK_ROWS + 201
     np.testing.assert_array_equal(np.diff(np.round(records["t"] * 200)), 1)
@@ -56,7 +56,7 @@ def test_the_recorder_gets_every_row_once_across_chunks() -> None:
 
 
 def test_ctrl_c_keeps_what_was_flown() -> None:
-    flight = build(load_scenario("scenario1", plant="jsbsim"))
+    flight = build_flight(load_scenario("scenario1", plant="jsbsim"))
     memory = MemoryRecorder()
 
     def interrupt(rows: int) -> None:

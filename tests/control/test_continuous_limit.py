@@ -11,7 +11,7 @@ import paper
 import pytest
 from scipy.integrate import solve_ivp
 
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.control.inner import l1
 from uavftc.flight import fly_to_memory
 from uavftc.scenario.schema import Scenario
@@ -59,7 +59,7 @@ def continuous(effectiveness, d2, method):
 def sampled(rate, effectiveness, d2):
     """The same attitude by the package, at `rate` Hz."""
     surfaces, axes = ("aileron", "elevator", "rudder"), ("p_degps2", "q_degps2", "r_degps2")
-    flight = build(
+    flight = build_flight(
         Scenario.model_validate(
             {
                 "name": "limit", "duration_s": DURATION, "plant": "analytic",
@@ -97,8 +97,7 @@ def test_sampled_loop_converges_to_the_continuous_one_at_first_order(effectivene
     # means a fifth of that
     reference = continuous(effectiveness, d2, method)
     error = {
-        rate: np.degrees(np.abs(sampled(rate, effectiveness, d2) - reference)).max(axis=0)
-        for rate in (200, 1000, 5000)
+        rate: np.degrees(np.abs(sampled(rate, effectiveness, d2) - reference)).max(axis=0) for rate in (200, 1000, 5000)
     }
     assert error[200].max() < allowed_deg
     np.testing.assert_allclose(error[200] / error[1000], 5.0, rtol=0.05)

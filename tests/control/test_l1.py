@@ -6,7 +6,7 @@ import numpy as np
 import paper
 import pytest
 
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.control.inner import l1
 from uavftc.flight import fly_to_memory
 from uavftc.scenario.schema import Scenario
@@ -16,7 +16,7 @@ RATES = [50, 100, 200, 1000]
 
 def step_flight(rate, inner="l1", duration=20.0, **sections):
     """The paper's step of 5 deg on every axis, on the rotational model, limited and disturbed as in scenario 2."""
-    return build(
+    return build_flight(
         Scenario.model_validate(
             {
                 "name": "step", "duration_s": duration, "plant": "analytic",

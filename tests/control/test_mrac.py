@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import paper
 
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.control.inner import l1, mrac
 from uavftc.flight import fly_to_memory
 from uavftc.scenario.schema import Scenario
@@ -56,9 +56,7 @@ def test_difference_to_L1_falls_as_the_filter_opens():
     # on so few samples that MRAC, fed rates that do not answer it, has not yet blown the difference up
     n = 40
     reference, _ = flown(mrac, n)
-    differences = [
-        np.abs(flown(l1, n, filter_bandwidth=k)[0] - reference).max() for k in (60.0, 600.0, 2400.0, 6000.0)
-    ]
+    differences = [np.abs(flown(l1, n, filter_bandwidth=k)[0] - reference).max() for k in (60.0, 600.0, 2400.0, 6000.0)]
     assert (np.diff(differences) < 0.0).all()
     assert differences[0] > 0.1
     assert differences[-1] < 1e-11
@@ -77,7 +75,7 @@ def test_tracks_as_well_as_L1_on_a_perfect_loop_and_works_the_surfaces_harder_on
                     "saturation": {"min_rad": -0.05, "max_rad": 0.1},
                 }
             )  # fmt: skip
-            records, outcome = fly_to_memory(build(scenario))
+            records, outcome = fly_to_memory(build_flight(scenario))
             assert outcome.completed
             iae = np.abs(records["x1_c"] - records["x1"]).sum(axis=0) / 200.0
             metrics[kind, delay] = iae, np.abs(np.diff(records["v2"], axis=0)).sum(axis=0)

@@ -7,7 +7,7 @@ import paper
 import pytest
 from scipy.integrate import solve_ivp
 
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.control.outer import nndo
 from uavftc.flight import fly_to_memory
 from uavftc.scenario.schema import Scenario
@@ -92,7 +92,7 @@ def test_idle_in_a_whole_flight_with_exact_kinematics():
             "disturbances": [{"kind": "angular-acceleration", "q_degps2": "0.3 + sin(2*t)", "r_degps2": 0.5}],
         }
     )  # fmt: skip
-    records, outcome = fly_to_memory(build(scenario))
+    records, outcome = fly_to_memory(build_flight(scenario))
     assert outcome.completed
     x1_dot = np.array([paper.g1(x1) @ x2 for x1, x2 in zip(records["x1"], records["x2"], strict=True)])
     # within a sample f'' is larger than its mean over two: the rates bend where the command steps
@@ -109,9 +109,7 @@ def test_estimate_of_a_constant_disturbance_is_the_continuous_one(rate, allowed)
     x1, x1_dot = motion(t)
     d1_hat, _ = observed(h, x1, rates(x1, x1_dot, d1))
     every = rate // 10
-    reference = continuous(
-        t[::every], lambda s: motion(s)[0][0], lambda s: rates(*motion(s), d1)[0]
-    )
+    reference = continuous(t[::every], lambda s: motion(s)[0][0], lambda s: rates(*motion(s), d1)[0])
     assert np.abs(d1_hat[::every] - reference).max() < allowed * np.abs(d1).max()
     assert np.abs(reference).max() > 0.5 * np.abs(d1).max()  # the comparison is of something
 

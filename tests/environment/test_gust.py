@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from uavftc.aircraft import load_aircraft
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.environment.gust import one_minus_cosine
 from uavftc.flight import fly_to_memory
 from uavftc.plants.interface import Timing
@@ -126,7 +126,7 @@ def test_flies_like_jsbsims_cosine_gust():
 def test_a_scenarios_gust_is_the_wind_of_its_rows():
     # From the scenario to the history: the recorded wind is peak times the closed form, and the aircraft feels it.
     gust = {"kind": "gust", "start_s": 1, "ramp_s": 1.5, "hold_s": 2, "north_mps": 3, "down_mps": -1}
-    flight = build(Scenario.model_validate({"name": "gust", "duration_s": 8, "disturbances": [gust]}))
+    flight = build_flight(Scenario.model_validate({"name": "gust", "duration_s": 8, "disturbances": [gust]}))
     records, outcome = fly_to_memory(flight)
     assert outcome.completed
     profile = np.sin(np.pi / 3.0 * np.clip(np.minimum(records["t"] - 1.0, 6.0 - records["t"]), 0.0, 1.5)) ** 2

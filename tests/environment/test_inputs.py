@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.environment.inputs import Inputs
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
@@ -54,7 +54,7 @@ def test_references_count_from_the_trim_in_degrees():
 
 def test_reference_of_a_flight_counts_from_its_own_trim():
     # At 25 m/s the trim pitches up by 0.45 deg; the command of 2 deg is 2 deg above that, not above the horizon.
-    flight = build(
+    flight = build_flight(
         Scenario.model_validate(
             {"name": "t", "duration_s": 1, "initial": {"airspeed_mps": 25}, "reference": {"theta_deg": 2}}
         )

@@ -7,7 +7,7 @@ import pytest
 from closed_form import FreeRotation, angle_between, from_euler
 
 from uavftc.aircraft import load_aircraft
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.errors import InputError
 from uavftc.flight import fly_to_memory
 from uavftc.plants.interface import Timing
@@ -148,7 +148,7 @@ def test_heading_is_continuous_in_flight(turn):
             "envelope": {"bank_deg": 60},
         }
     )
-    records, outcome = fly_to_memory(build(scenario))
+    records, outcome = fly_to_memory(build_flight(scenario))
     psi = np.degrees(records["x1"][:, 2])
     assert outcome.completed
     assert np.max(np.abs(np.diff(psi))) < 0.1  # deg a sample of 5 ms
@@ -199,7 +199,7 @@ def test_a_halved_step_changes_the_flight_little():
         scenario = load_scenario(
             "scenario2", plant="jsbsim", overrides=["duration_s=5", f"simulation.substeps={substeps}"]
         )
-        ends.append(fly_to_memory(build(scenario))[0]["x1"])
+        ends.append(fly_to_memory(build_flight(scenario))[0]["x1"])
     assert np.max(np.abs(np.degrees(ends[0] - ends[1]))) < 0.02
 
 

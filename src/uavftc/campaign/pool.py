@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uavftc.analysis.metrics import metrics_of
-from uavftc.build import build
+from uavftc.build import build_flight
 from uavftc.flight import Outcome, fly_to_memory
 from uavftc.recorder import published
 from uavftc.scenario.schema import Scenario
@@ -41,7 +41,7 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> Flown:
     InputError
         If it cannot be flown.
     """
-    flight = build(scenario)
+    flight = build_flight(scenario)
     records, outcome = fly_to_memory(flight)
     axes = metrics_of(records, completed=outcome.completed)
     return Flown(flight.scenario, outcome, axes, published(records) if keep_history else None, flight.plant.settings)

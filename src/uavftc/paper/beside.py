@@ -89,7 +89,8 @@ def improvements_of(plant: str, flights: Flights) -> list[Improvement]:
     result = []
     for p in printed.improvements():
         best, other = (values[p.scenario, controller, p.axis, p.metric] for controller in (BEST, p.over))
-        assert best is not None and other is not None  # the paper prints every integral metric
+        assert best is not None  # the paper prints every integral metric
+        assert other is not None
         ours = lower_by(flights, p.scenario, p.axis, p.metric, p.over)
         result.append(
             Improvement(

@@ -81,7 +81,7 @@ def scaled(plant: str, scales: Iterable[float]) -> Plan:
     plan: Plan = {}
     for scale in scales:
         overrides = [
-            f"faults[{i}].bias_deg=\"{scale!r}*({fault.bias_deg.written})\""
+            f'faults[{i}].bias_deg="{scale!r}*({fault.bias_deg.written})"'
             for i, fault in enumerate(base.faults)
             if fault.bias_deg.constant != 0.0
         ]

@@ -107,7 +107,9 @@ def write(folder: Path, result: Reproduction, figures: Sequence[str], captions: 
     some = next(iter(result.flights.values()))
     origin = provenance(seed=some.scenario.seed, scenario_sha256="", aircraft_sha256=None)
     del origin["scenario_sha256"], origin["aircraft_sha256"]  # many scenarios, and each has its own
-    settings = {plant: next(f.settings for k, f in result.flights.items() if k.plant == plant) for plant in result.plants}
+    settings = {
+        plant: next(f.settings for k, f in result.flights.items() if k.plant == plant) for plant in result.plants
+    }
     write_json(
         folder / "summary.json",
         {
@@ -132,7 +134,6 @@ def write(folder: Path, result: Reproduction, figures: Sequence[str], captions: 
 
 
 def _json_list(rows: Sequence[Row]) -> str:
-    import json  # noqa: PLC0415
 
     return "[\n" + ",\n".join(json.dumps(row, allow_nan=False) for row in rows) + "\n]\n"
 

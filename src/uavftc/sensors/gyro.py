@@ -1,6 +1,6 @@
 """What the controller is shown: exact attitude, and body rates with the bias of a rate gyro.
 
-    x1_meas = x1,   x2_meas = x2 + b
+x1_meas = x1,   x2_meas = x2 + b
 """
 
 from __future__ import annotations

@@ -5,7 +5,8 @@ The predictor and adaptive laws of `predictor.py` without the low-pass filter of
     v_ad = -(W_hat^T Phi + eps_hat + K r) / omega_hat,   v2 = -K_0^T x2 + v_ad
 
 The paper names the comparator and states that its parameters are those of the L1 controller; it prints no equation.
-This is the law that results when the filter bandwidth of eq. (32) tends to infinity.
+This is the law that results when the filter bandwidth of eq. (32) tends to infinity. It commands from the first sample
+on, where the L1 filter still stands at zero.
 """
 
 from __future__ import annotations

@@ -14,8 +14,9 @@ those applied over the step). Inserting the adaptive laws into the predictor lea
         = x2_hat_old - x2 + h ( A_m x2 + B_m (omega_hat v_ad + W_hat^T Phi + eps_hat) )
 
 It is stable at every sample rate. Forward Euler (`explicit`), in which x2_tilde of the old sample drives everything,
-is there to show its effect: with Gamma = 1e5 it needs steps far below 1 ms. The projection keeps each estimate inside its bounds after the step; for a box that
-is the nearest admissible point, which is what the continuous operator of the paper's [35] tends to.
+is there to show its effect: with Gamma = 1e5 it needs steps far below 1 ms. The projection keeps each estimate inside
+its bounds after the step; for a box that is the nearest admissible point, which is what the continuous operator of the
+paper's [35] tends to.
 
 The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.py`): their records hold the fields of
 `PREDICTOR_PARAMS` and `PREDICTOR_STATE`.

@@ -58,9 +58,7 @@ def step(p, s, row):
             s.zeta[i] = x1[i]
         else:
             decay = exp(-p.sigma[i] * p.h)
-            drive = (
-                0.5 * p.sigma[i] * (s.x1[i] + x1[i]) + 0.5 * (s.x1_dot[i] + x1_dot[i]) + s.d1_hat[i]
-            )
+            drive = 0.5 * p.sigma[i] * (s.x1[i] + x1[i]) + 0.5 * (s.x1_dot[i] + x1_dot[i]) + s.d1_hat[i]
             s.zeta[i] = decay * s.zeta[i] + (1.0 - decay) / p.sigma[i] * drive
         e = x1[i] - s.zeta[i]
         d1_hat = 0.0

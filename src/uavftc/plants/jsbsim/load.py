@@ -32,7 +32,19 @@ _KNOWN_CHILDREN = {
         ["ixx", "iyy", "izz", "ixy", "ixz", "iyz", "emptywt", "location", "pointmass", "documentation", "description"]
     ),
     "metrics": frozenset(
-        ["wingarea", "wingspan", "wing_incidence", "chord", "htailarea", "htailarm", "vtailarea", "vtailarm", "location", "documentation", "description"]
+        [
+            "wingarea",
+            "wingspan",
+            "wing_incidence",
+            "chord",
+            "htailarea",
+            "htailarm",
+            "vtailarea",
+            "vtailarm",
+            "location",
+            "documentation",
+            "description",
+        ]
     ),
 }
 

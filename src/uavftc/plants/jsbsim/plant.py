@@ -111,7 +111,9 @@ class JSBSimPlant:
     def _bind(self, aircraft: Aircraft, *, has_wind: bool, has_moment: bool) -> None:
         """Look every property up once; a bound accessor costs a tenth of a look-up."""
         node = functools.partial(_node, self.fdm)
-        self._get = [node(name).get_double_value for name in (*STATE_PROPERTIES, aircraft.throttle.position[0], CONTACT)]
+        self._get = [
+            node(name).get_double_value for name in (*STATE_PROPERTIES, aircraft.throttle.position[0], CONTACT)
+        ]
         self._set_surface = [node(getattr(aircraft.surfaces, s).command).set_double_value for s in SURFACES]
         self._set_wind = [node(name).set_double_value for name in WIND] if has_wind else None
         self._set_moment = None

@@ -1,0 +1,38 @@
+"""What the controller is shown."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from uavftc.sensors import gyro
+from uavftc.signals import ROW, as_records, empty_rows
+from uavftc.stage import Program, params_of
+
+VECTOR = st.lists(st.floats(-10.0, 10.0), min_size=3, max_size=3).map(np.array)
+
+
+@settings(deadline=None)  # the first example compiles
+@given(x1=VECTOR, x2=VECTOR, bias=VECTOR)
+def test_bias_is_added_to_the_measured_rates_and_to_nothing_else(x1, x2, bias):
+    # the attitude is exact, the vehicle's own rates are untouched
+    rows = empty_rows(1)
+    row = as_records(rows)[0]
+    row["x1"], row["x2"] = x1, x2
+    Program([gyro.stage.block(params_of(gyro.PARAMS, bias=bias))]).run(rows, 0, 1)
+    np.testing.assert_array_equal(row["x1_meas"], x1)
+    np.testing.assert_array_equal(row["x2_meas"], x2 + bias)
+    np.testing.assert_array_equal(row["x1"], x1)
+    np.testing.assert_array_equal(row["x2"], x2)
+    others = [name for name in ROW.names if name not in ("x1", "x2", "x1_meas", "x2_meas")]
+    assert all((row[name] == 0.0).all() for name in others)
+
+
+def test_measurement_follows_the_vehicle_row_by_row():
+    # no lag and no memory: the bias stays what it is
+    rows = empty_rows(50)
+    records = as_records(rows)
+    records["x2"] = np.random.default_rng(12).normal(size=(50, 3))
+    Program([gyro.stage.block(params_of(gyro.PARAMS, bias=[0.1, -0.2, 0.3]))]).run(rows, 0, 50)
+    np.testing.assert_array_equal(records["x2_meas"], records["x2"] + [0.1, -0.2, 0.3])
