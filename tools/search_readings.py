@@ -5,8 +5,8 @@
 Both columns of Tables 3 and 5 (48 integral metrics) are flown on the analytic plant with the same readings:
 
     outer-loop bandwidth, one for each axis     0.25 to 0.9 1/s
-    filter bandwidth                            10 to 120 rad/s
-    learning gain gamma of the observer         0.005 to 5
+    filter bandwidth                            10 to 300 rad/s
+    learning gain gamma of the observer         0.005 to 10
     a constant d1 for the observer to find      -2 to 2 deg/s an axis (a gyro bias acts as one)
     unit of the additive fault                  0.3 to 3 deg a printed unit
     unit of the disturbance d2                  0.3 to 3 deg/s^2 a printed unit
@@ -39,7 +39,7 @@ NAMES = (
     "bandwidth roll [1/s]", "bandwidth pitch [1/s]", "bandwidth yaw [1/s]", "filter bandwidth [rad/s]", "log10 gamma",
     "gyro bias p [deg/s]", "gyro bias q [deg/s]", "gyro bias r [deg/s]", "fault unit [deg]", "d2 unit [deg/s^2]",
 )  # fmt: skip
-BOUNDS = [(0.25, 0.9)] * 3 + [(10.0, 120.0), (-2.3, 0.7)] + [(-2.0, 2.0)] * 3 + [(0.3, 3.0)] * 2
+BOUNDS = [(0.25, 0.9)] * 3 + [(10.0, 300.0), (-2.3, 1.0)] + [(-2.0, 2.0)] * 3 + [(0.3, 3.0)] * 2
 
 
 def scaled(signal: Signal, factor: float) -> Signal:

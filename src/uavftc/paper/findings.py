@@ -11,7 +11,7 @@ from uavftc.analysis.metrics import INTEGRALS
 from uavftc.campaign.pool import Flown
 from uavftc.paper import printed
 from uavftc.paper.beside import BEST, Row, ratio, rows_of, score
-from uavftc.paper.plan import CASES, DELAYS_MS, GYRO_BIAS_DEGPS, L1, MRAC, NDI_L1, Flights, Key, of_variant
+from uavftc.paper.plan import CASES, DELAYS_MS, GYRO_BIAS_DEGPS, L1, MRAC, NDI_L1, RADIAN_DEG, Flights, Key, of_variant
 from uavftc.signals import AXES
 
 
@@ -100,7 +100,8 @@ def loop_delay(flights: Flights, plant: str) -> Finding:
         f"of L1 travels {activity[L1, at]:.2f} rad in 20 s, that of MRAC {activity[MRAC, at]:.1f} rad. "
         + (
             "JSBSim moves before it computes forces, a frame of delay of its own; so MRAC works the surfaces "
-            f"{activity[MRAC, 0.0] / activity[L1, 0.0]:.0f} times as much as L1 without any added delay."
+            f"{activity[MRAC, 0.0] / activity[L1, 0.0]:.0f} times as much as L1 without any added delay. "
+            "(With a delay of part of a sample JSBSim runs finer frames, and its own delay is shorter.)"
             if plant == "jsbsim"
             else "Tracking alone hides it: the integral metrics stay close until the loop is lost."
         ),
@@ -132,6 +133,8 @@ def fault_scale(flights: Flights, plant: str) -> Finding:
     """How Table 5 depends on the unit of the additive fault."""
     scores = scores_by_scale(flights, plant)
     best = best_scale(flights, plant)
+    radian = of_variant(flights, plant, "fault in rad", RADIAN_DEG)["scenario3", L1].outcome
+    end = "is flown to the end" if radian.completed else f"is lost: {radian.ended_because}"
     shown = sorted({s for s in scores if round(s * 10) % 2 == 0 and round(s * 100) % 10 == 0} | {best})
     rows = [
         (f"{s:.2f}{' (best fit)' if s == best else ''}", f"{scores[s][0]:.3f}", f"{scores[s][1]:.3f}") for s in shown
@@ -142,8 +145,8 @@ def fault_scale(flights: Flights, plant: str) -> Finding:
         "Table 5 turns on the unit of the additive fault",
         f"In plain degrees the score over the 48 figures is {scores[1.0][0]:.3f} ({scores[1.0][1]:.3f} over Table 5). "
         f"A fit, found by search and no reading of the text: at {best:.2f} deg a printed unit it is "
-        f"{scores[best][0]:.3f} ({scores[best][1]:.3f}). Beyond, the rudder saturates and the figures run away; in "
-        f"radians (57.3) every controller is lost at once.",
+        f"{scores[best][0]:.3f} ({scores[best][1]:.3f}). Beyond, the rudder saturates and the figures run away. Read "
+        f"in rad the vehicle {end}.",
         ("deg per printed unit", "score, all tables", "score, Table 5"),
         rows,
         f"uavftc reproduce --plant {plant}",
@@ -227,12 +230,17 @@ def saturation(flights: Flights, plant: str) -> Finding:
     commands = {s: _history(free, f"{s}_cmd_rad") for s in ("aileron", "elevator", "rudder")}
     rows: list[tuple[Any, ...]] = [(s, f"{v.min():.4f}", f"{v.max():.4f}") for s, v in commands.items()]
     binds = any(v.min() < -0.05 or v.max() > 0.1 for v in commands.values())
+    halves: dict[tuple[str, str], list[float]] = {}
+    for p in printed.tables():
+        if p.table == 2 and p.metric in INTEGRALS and p.value is not None:
+            halves.setdefault((p.axis, p.metric), []).append(p.value)
+    apart = max(max(pair) / min(pair) - 1.0 for pair in halves.values())
     said = "do act" if binds else "never act: no command reaches them, so both halves of Table 2 are one flight"
     return Finding(
         "saturation",
         plant,
         "What saturation does in scenario 1",
-        f"The limits of -0.05 and +0.1 rad {said}. The printed halves differ by up to 5 % (yaw ITAE).",
+        f"The limits of -0.05 and +0.1 rad {said}. The printed halves differ by up to {100 * apart:.0f} % in an integral.",
         ("surface", "least command [rad]", "largest command [rad]"),
         rows,
         f"uavftc-fly scenario1-unsaturated --plant {plant}",

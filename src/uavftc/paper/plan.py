@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ GYRO_BIAS_DEGPS = 0.3  # a MEMS rate gyro after warm-up; large enough to see, sm
 DELAYS_MS = (0.0, 2.5, 5.0, 7.5, 10.0, 15.0, 20.0, 25.0)
 CLAIM_DELAY_MS = 10.0  # two samples at 200 Hz: computation and actuator of an ordinary autopilot
 COARSE = tuple(round(1.0 + 0.1 * i, 2) for i in range(21))  # scales of the additive fault, first pass
+RADIAN_DEG = math.degrees(1.0)
 FINE_STEP, FINE_REACH = 0.01, 0.1
 
 
@@ -71,6 +73,7 @@ def variants(plant: str) -> Plan:
             add("printed gain", scenario, (L1,), "controller.inner.reference_gain=printed")
     for scenario in ("scenario2", "scenario3"):
         add("explicit 1 ms", scenario, (L1, MRAC), "controller.inner.integration=explicit", "controller.rate_hz=1000")
+    plan.update((key._replace(variant="fault in rad"), s) for key, s in scaled(plant, [RADIAN_DEG]).items())
     add("constant rudder effectiveness", "scenario3", (L1,), "faults[4].effectiveness=0.2")
     return plan
 
