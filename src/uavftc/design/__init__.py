@@ -1,0 +1,1 @@
+"""A design of the inner loop as numbers, and beside a flight."""
