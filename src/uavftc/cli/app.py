@@ -7,8 +7,11 @@ import sys
 import typer
 
 from uavftc import __version__
+from uavftc.cli.compare import compare
+from uavftc.cli.design import design
 from uavftc.cli.fly import fly
 from uavftc.cli.outcome import exit_codes
+from uavftc.cli.reproduce import reproduce
 
 _SETTINGS = {
     "add_completion": False,
@@ -19,6 +22,9 @@ _SETTINGS = {
 
 umbrella = typer.Typer(name="uavftc", no_args_is_help=True, **_SETTINGS)
 umbrella.command("fly")(exit_codes(fly))
+umbrella.command("design")(exit_codes(design))
+umbrella.command("reproduce")(exit_codes(reproduce))
+umbrella.command("compare")(exit_codes(compare))
 
 single = typer.Typer(name="uavftc-fly", **_SETTINGS)
 single.command()(exit_codes(fly))

@@ -47,9 +47,7 @@ def fly(
     """
     from uavftc.scenario.load import load_scenario  # noqa: PLC0415 - what a bad option does not need is not imported
 
-    loaded = load_scenario(
-        scenario, overrides=overrides or (), plant=plant, aircraft=aircraft, controller=controller
-    )
+    loaded = load_scenario(scenario, overrides=overrides or (), plant=plant, aircraft=aircraft, controller=controller)
     folder = out if out is not None else default_folder(loaded, named_aircraft=aircraft is not None)
 
     from uavftc.mission import fly_mission  # noqa: PLC0415

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from uavftc.paper.beside import Claim, Row, ratio, score
+from uavftc.paper.beside import CONFIRMED, NOT_CONFIRMED, TIED, Claim, Row, ratio, score
 from uavftc.paper.findings import Finding
 from uavftc.signals import AXES
 
@@ -76,11 +76,11 @@ def claims_table(claims: Sequence[Claim], number: int) -> str:
 
 
 def claims_summary(claims: Sequence[Claim]) -> str:
-    """Return how many claims have each answer."""
-    counts: dict[str, int] = {}
-    for claim in claims:
-        counts[claim.answer] = counts.get(claim.answer, 0) + 1
-    return "; ".join(f"{count} {answer}" for answer, count in sorted(counts.items(), key=lambda item: -item[1]))
+    """Return how many claims have each answer, and how many only a named condition confirms."""
+    answers = [claim.answer.split(";")[0] for claim in claims]
+    counts = ", ".join(f"{answers.count(a)} {a}" for a in (CONFIRMED, TIED, NOT_CONFIRMED))
+    conditional = sum("only with" in claim.answer for claim in claims)
+    return f"{counts}; {conditional} of those not confirmed outright are confirmed only under a named condition"
 
 
 def finding_text(finding: Finding) -> str:

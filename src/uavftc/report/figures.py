@@ -19,11 +19,11 @@ from uavftc.report import panels
 from uavftc.report.panels import BLACK, BLUE, GREEN, PURPLE, SKY, VERMILLION
 from uavftc.signals import AXES, SURFACES
 
-_BAND_DEG = 0.02  # deg, the band of the convergence time
-_ANGLES, _RATES = ("phi", "theta", "psi"), ("p", "q", "r")
+BAND_DEG = 0.02  # deg, the band of the convergence time
+ANGLES, RATES = ("phi", "theta", "psi"), ("p", "q", "r")
 _LARGEST = 1e9  # beyond it, the end of a diverged flight is not drawn: it would overflow the axes
 _LETTERS = "abcdefghi"
-_REFERENCE = {"color": BLACK, "linestyle": (0, (5, 3)), "linewidth": 1.3, "zorder": 3}
+REFERENCE = {"color": BLACK, "linestyle": (0, (5, 3)), "linewidth": 1.3, "zorder": 3}
 
 History = Mapping[str, np.ndarray]
 
@@ -87,26 +87,26 @@ def tracking(history: History, context: FigureContext) -> Figure:
     t = history["time_s"]
     fig, axes = panels.new_figure(context.title, 3, 2, (11.0, 8.6))
     panels.fit_t(axes[0, 0], t)
-    for i, angle in enumerate(_ANGLES):
+    for i, angle in enumerate(ANGLES):
         left, right = axes[i]
-        actual, reference = _deg(history, f"{angle}_rad"), _deg(history, f"{angle}_ref_rad")
+        actual, reference = deg(history, f"{angle}_rad"), deg(history, f"{angle}_ref_rad")
         drawn = [
             panels.curve(left, t, actual, color=BLUE, label="attitude"),
-            panels.curve(left, t, reference, label="reference", **_REFERENCE),
+            panels.curve(left, t, reference, label="reference", **REFERENCE),
         ]
         panels.fit_y(left, drawn, least=0.5)
-        _name(left, 2 * i, f"{AXES[i]} angle", rf"$\{angle}$ [deg]")
+        name_panel(left, 2 * i, f"{AXES[i]} angle", rf"$\{angle}$ [deg]")
 
         error = np.abs(reference - actual)
         right.set_yscale("log")
         panels.curve(right, t, np.maximum(error, 1e-6), color=BLUE)
-        right.axhspan(1e-9, _BAND_DEG, color=GREEN, alpha=0.15, linewidth=0, label=f"within {_BAND_DEG} deg")
+        right.axhspan(1e-9, BAND_DEG, color=GREEN, alpha=0.15, linewidth=0, label=f"within {BAND_DEG} deg")
         greatest = np.max(error, initial=1.0, where=np.isfinite(error))
         right.set_ylim(1e-3, 2.0 * greatest)
-        panels.mark_entry(right, t, error, _BAND_DEG)
-        _name(right, 2 * i + 1, f"{AXES[i]} error", "|error| [deg]")
+        panels.mark_entry(right, t, error, BAND_DEG)
+        name_panel(right, 2 * i + 1, f"{AXES[i]} error", "|error| [deg]")
         for ax in (left, right):
-            panels.shade(ax, _merged(context.faults), name="fault on a surface", written=False)
+            panels.shade(ax, merged(context.faults), name="fault on a surface", written=False)
     panels.legends(axes)
     return fig
 
@@ -116,27 +116,27 @@ def control(history: History, context: FigureContext) -> Figure:
     t = history["time_s"]
     fig, axes = panels.new_figure(context.title, 3, 2, (11.0, 8.6))
     panels.fit_t(axes[0, 0], t)
-    for i, (rate, surface) in enumerate(zip(_RATES, SURFACES, strict=True)):
+    for i, (rate, surface) in enumerate(zip(RATES, SURFACES, strict=True)):
         left, right = axes[i]
         drawn = [
-            panels.curve(left, t, _deg(history, f"{rate}_radps"), color=BLUE, label="actual"),
-            panels.curve(left, t, _deg(history, f"{rate}_ref_radps"), label="outer-loop command $v_1$", **_REFERENCE),
+            panels.curve(left, t, deg(history, f"{rate}_radps"), color=BLUE, label="actual"),
+            panels.curve(left, t, deg(history, f"{rate}_ref_radps"), label="outer-loop command $v_1$", **REFERENCE),
         ]
         panels.fit_y(left, drawn, least=0.2)
-        _name(left, 2 * i, f"{AXES[i]} rate", f"${rate}$ [deg/s]")
+        name_panel(left, 2 * i, f"{AXES[i]} rate", f"${rate}$ [deg/s]")
 
         drawn = [
             panels.curve(
-                right, t, _deg(history, f"{surface}_cmd_rad"), color=VERMILLION, label="command $v_2$", linewidth=2.6
+                right, t, deg(history, f"{surface}_cmd_rad"), color=VERMILLION, label="command $v_2$", linewidth=2.6
             ),
             panels.curve(
-                right, t, _deg(history, f"{surface}_rad"), color=BLUE, label="after limits and faults", linewidth=1.3
+                right, t, deg(history, f"{surface}_rad"), color=BLUE, label="after limits and faults", linewidth=1.3
             ),
         ]
         windows = [w[1:] for w in context.faults if w.surface == surface]
         drawn += panels.limits(right, drawn, _limits_deg(context, surface))
         panels.fit_y(right, drawn, least=0.2, headroom=panels.shade(right, windows, name="fault"))
-        _name(right, 2 * i + 1, surface, "deflection [deg]")
+        name_panel(right, 2 * i + 1, surface, "deflection [deg]")
     panels.legends(axes)
     return fig
 
@@ -146,23 +146,23 @@ def estimates(history: History, context: FigureContext) -> Figure:
     t = history["time_s"]
     fig, axes = panels.new_figure(context.title, 3, 3, (14.0, 8.6))
     panels.fit_t(axes[0, 0], t)
-    for i, (angle, rate, surface) in enumerate(zip(_ANGLES, _RATES, SURFACES, strict=True)):
+    for i, (angle, rate, surface) in enumerate(zip(ANGLES, RATES, SURFACES, strict=True)):
         outer, inner, actuator = axes[i]
-        _pair(outer, t, _deg(history, f"d1_hat_{angle}_radps"), _deg(history, f"d1_{angle}_radps"), least=0.1)
-        _name(outer, 3 * i, f"outer loop, {AXES[i]}", rf"$d_{{1,\{angle}}}$ [deg/s]")
+        _pair(outer, t, deg(history, f"d1_hat_{angle}_radps"), deg(history, f"d1_{angle}_radps"), least=0.1)
+        name_panel(outer, 3 * i, f"outer loop, {AXES[i]}", rf"$d_{{1,\{angle}}}$ [deg/s]")
         # The lumped estimate answers for all that the model lacks, so it must not be read as an error of d_2.
         look = {"label": r"lumped estimate $\hat f$: $d_2$, faults, limits, model", "color": PURPLE}
-        _pair(inner, t, _deg(history, f"f_hat_{rate}_radps2"), _deg(history, f"d2_{rate}_radps2"), least=1.0, **look)
-        _name(inner, 3 * i + 1, f"inner loop, {AXES[i]}", rf"$\hat f_{rate}$, $d_{{2,{rate}}}$ [deg/s$^2$]")
+        _pair(inner, t, deg(history, f"f_hat_{rate}_radps2"), deg(history, f"d2_{rate}_radps2"), least=1.0, **look)
+        name_panel(inner, 3 * i + 1, f"inner loop, {AXES[i]}", rf"$\hat f_{rate}$, $d_{{2,{rate}}}$ [deg/s$^2$]")
         for ax in (outer, inner):
             for time in context.disturbances_s:
                 ax.axvline(time, color="#888888", linewidth=0.9, linestyle=":", zorder=1, label="disturbance changes")
 
         effect = panels.curve(
-            actuator, t, _column(history, f"effectiveness_{surface}"), color=GREEN, label="true effectiveness"
+            actuator, t, column(history, f"effectiveness_{surface}"), color=GREEN, label="true effectiveness"
         )
         panels.fit_y(actuator, [effect, np.array([0.0, 1.0])], least=1.0)
-        _name(actuator, 3 * i + 2, surface, r"$\omega$ [-]")
+        name_panel(actuator, 3 * i + 2, surface, r"$\omega$ [-]")
         panels.shade(actuator, [w[1:] for w in context.faults if w.surface == surface], name="fault", written=False)
     panels.legends(axes)
     return fig
@@ -174,30 +174,30 @@ def air(history: History, context: FigureContext) -> Figure:
     fig, axes = panels.new_figure(context.title, 2, 2, (11.0, 6.6))
     panels.fit_t(axes[0, 0], t)
     speed, height, flow, last = axes.flat
-    panels.fit_y(speed, [panels.curve(speed, t, _column(history, "airspeed_mps"), color=BLUE)], least=1.0)
-    _name(speed, 0, "airspeed", "[m/s]")
-    panels.fit_y(height, [panels.curve(height, t, _column(history, "altitude_m"), color=BLUE)], least=2.0)
-    _name(height, 1, "altitude", "[m]")
-    alpha, beta = _deg(history, "alpha_rad"), _deg(history, "beta_rad")
+    panels.fit_y(speed, [panels.curve(speed, t, column(history, "airspeed_mps"), color=BLUE)], least=1.0)
+    name_panel(speed, 0, "airspeed", "[m/s]")
+    panels.fit_y(height, [panels.curve(height, t, column(history, "altitude_m"), color=BLUE)], least=2.0)
+    name_panel(height, 1, "altitude", "[m]")
+    alpha, beta = deg(history, "alpha_rad"), deg(history, "beta_rad")
     drawn = [
         panels.curve(flow, t, alpha, color=BLUE, label=r"angle of attack $\alpha$"),
         panels.curve(flow, t, beta, color=VERMILLION, linestyle="--", label=r"sideslip $\beta$"),
     ]
     panels.fit_y(flow, drawn, least=0.5)
-    _name(flow, 2, "flow angles", "[deg]")
+    name_panel(flow, 2, "flow angles", "[deg]")
     if context.wind:
         parts = (("north", SKY, "-"), ("east", GREEN, "--"), ("down", PURPLE, "-."))
         drawn = [
             panels.curve(
-                last, t, _column(history, f"wind_{part}_mps"), color=colour, linestyle=dash, label=f"wind {part}"
+                last, t, column(history, f"wind_{part}_mps"), color=colour, linestyle=dash, label=f"wind {part}"
             )
             for part, colour, dash in parts
         ]
         panels.fit_y(last, drawn, least=0.5)
-        _name(last, 3, "wind", "[m/s]")
+        name_panel(last, 3, "wind", "[m/s]")
     else:
-        panels.fit_y(last, [panels.curve(last, t, _column(history, "throttle"), color=BLUE)], least=0.1)
-        _name(last, 3, "throttle", "[-]")
+        panels.fit_y(last, [panels.curve(last, t, column(history, "throttle"), color=BLUE)], least=0.1)
+        name_panel(last, 3, "throttle", "[-]")
     panels.legends(axes)
     return fig
 
@@ -208,7 +208,7 @@ def _pair(ax: Axes, t: np.ndarray, estimate: np.ndarray, true: np.ndarray, *, le
         panels.note(ax, "this controller makes no estimate")
     drawn = [
         panels.curve(ax, t, estimate, **{"color": BLUE, "label": "estimate", **look}),
-        panels.curve(ax, t, true, label="true disturbance", **_REFERENCE),
+        panels.curve(ax, t, true, label="true disturbance", **REFERENCE),
     ]
     panels.fit_y(ax, drawn, least=least)
 
@@ -217,7 +217,7 @@ def _limits_deg(context: FigureContext, surface: str) -> tuple[float, ...]:
     return tuple(np.rad2deg(limit) for limit in context.limits_rad.get(surface) or () if np.isfinite(limit))
 
 
-def _merged(faults: Sequence[FaultWindow]) -> list[tuple[float, float, str]]:
+def merged(faults: Sequence[FaultWindow]) -> list[tuple[float, float, str]]:
     """Return the times at which some surface is faulty, without overlaps."""
     spans: list[tuple[float, float, str]] = []
     for start, end in sorted((w.start_s, w.end_s) for w in faults):
@@ -228,15 +228,18 @@ def _merged(faults: Sequence[FaultWindow]) -> list[tuple[float, float, str]]:
     return spans
 
 
-def _name(ax: Axes, index: int, title: str, unit: str) -> None:
+def name_panel(ax: Axes, index: int, title: str, unit: str) -> None:
+    """Give a panel its letter (by `index`), title and unit."""
     ax.set_title(f"({_LETTERS[index]}) {title}")
     ax.set_ylabel(unit)
 
 
-def _column(history: History, name: str) -> np.ndarray:
+def column(history: History, name: str) -> np.ndarray:
+    """Return a column to draw, shape (n,): NaN where it is absent or has diverged."""
     values = history.get(name, np.full(len(history["time_s"]), np.nan))
     return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
 
-def _deg(history: History, name: str) -> np.ndarray:
-    return np.rad2deg(_column(history, name))
+def deg(history: History, name: str) -> np.ndarray:
+    """Return a column in rad as deg, or in rad/s as deg/s; see `column`."""
+    return np.rad2deg(column(history, name))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -45,11 +45,14 @@ _STYLE: Any = {
 
 
 @contextmanager
-def style() -> Iterator[None]:
-    """Draw in this project's style, whatever the user's own matplotlib settings are, and leave those as they were."""
+def style(changes: Mapping[str, Any] | None = None) -> Iterator[None]:
+    """Draw in this project's style, whatever the user's own matplotlib settings are, and leave those as they were.
+
+    `changes` are settings of matplotlib that differ from the style for these figures.
+    """
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update(_STYLE)
+        mpl.rcParams.update(_STYLE | dict(changes or {}))
         yield
 
 
@@ -65,8 +68,11 @@ def new_figure(title: str, rows: int, columns: int, size: tuple[float, float]) -
     return fig, axes
 
 
-def legends(axes: np.ndarray) -> None:
-    """Put beneath each column of `axes` one legend of all its curves, each label once, where it covers no data."""
+def legends(axes: np.ndarray, columns: int | None = None) -> None:
+    """Put beneath each column of `axes` one legend of all its curves, each label once, where it covers no data.
+
+    `columns` of entries are two by default, and one where the axes are narrow.
+    """
     for column in axes.T:
         entries: dict[str, Artist] = {}
         for ax in column:
@@ -78,7 +84,7 @@ def legends(axes: np.ndarray) -> None:
                 list(entries),
                 loc="upper center",
                 bbox_to_anchor=(0.5, -0.24),
-                ncols=2 if axes.shape[1] < 3 else 1,
+                ncols=columns or (2 if axes.shape[1] < 3 else 1),
             )
 
 
@@ -107,6 +113,26 @@ def envelope(t: np.ndarray, y: np.ndarray, bins: int = _BINS) -> tuple[np.ndarra
     pick = np.stack([np.minimum(low, high), np.maximum(low, high)], axis=1) + start[:, None]
     kept = np.concatenate([[0], pick.ravel(), [len(t) - 1]])
     return t[kept], y[kept]
+
+
+def cut(ax: Axes, drawn: Sequence[np.ndarray], values: Sequence[float]) -> None:
+    """Bound the y-axis to a span beyond a lower and an upper limit, both drawn, and say what is off the scale.
+
+    A command far past its limit acts as one at the limit; on its full scale nothing else could be read.
+    """
+    if len(values) != 2:
+        return
+    low, high = min(values), max(values)
+    bottom, top = ax.get_ylim()
+    new = max(bottom, 2 * low - high), min(top, 2 * high - low)
+    if new[0] >= high or new[1] <= low or new == (bottom, top):
+        return
+    ax.set_ylim(*new)
+    finite = np.concatenate(drawn)
+    finite = finite[np.isfinite(finite)]
+    ends = [v for v, off in ((finite.min(), finite.min() < new[0]), (finite.max(), finite.max() > new[1])) if off]
+    text = "off scale: to " + " and ".join(f"{v:+.3g}" for v in ends)
+    ax.set_title(text.replace("-", "\N{MINUS SIGN}"), loc="right", fontsize="small", color="#555555")
 
 
 def fit_y(ax: Axes, values: Sequence[np.ndarray], least: float, headroom: float = 0.0) -> None:

@@ -1,17 +1,16 @@
-"""The result folder of a flight: written whole or not at all, and nothing of the user's is ever lost.
+"""The result folder of a flight or of another job: written whole or not at all, and nothing of the user's is ever lost.
 
-The flight is written into a hidden sibling, `.<name>.partial-<pid>`, which takes the folder's place by renaming only
+The results are written into a hidden sibling, `.<name>.partial-<pid>`, which takes the folder's place by renaming only
 once it is complete. An older folder is replaced only if it is ours: a `summary.json` of ours and no other file than
-those in `KNOWN_FILES`. Old results are removed file by file, by those names, so that a file which is not ours cannot
-be removed, whenever it appears.
+those of one kind of result folder (`report.kinds`). Old results are removed file by file, by those names, so that a
+file which is not ours cannot be removed, whenever it appears.
 
-A kill between the two renames leaves the old folder as `.<name>.old-<pid>`; the next flight into the folder puts it
+A kill between the two renames leaves the old folder as `.<name>.old-<pid>`; the next job into the folder puts it
 back.
 """
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
@@ -20,36 +19,12 @@ from pathlib import Path
 from types import TracebackType
 
 from uavftc.errors import InputError
+from uavftc.report.kinds import FLIGHT, Kind, foreign_entry, is_ours, kind_of, remove_ours
 
-FIGURES = ("tracking", "control", "estimates", "air")
-KNOWN_FILES = frozenset(
-    ["summary.json", "history.parquet", "scenario.yaml", "report.html", *(f"figures/{name}.png" for name in FIGURES)]
-)
-"""Every file a result folder may hold, as a path inside it; a file that is not here is never replaced or removed."""
+KNOWN_FILES = FLIGHT.files
+"""Every file the result folder of a flight may hold; a file that is not of its folder's kind is never removed."""
 
-_KNOWN_FOLDERS = frozenset(name.rpartition("/")[0] for name in KNOWN_FILES if "/" in name)
 _open_here: set[Path] = set()  # partial folders of this process, so that no other flight in it takes them for stale
-
-
-def foreign_entry(folder: Path) -> str | None:
-    """Return the path inside `folder` of something that is not ours, or None; a symbolic link is never ours."""
-    for root, folders, files in os.walk(folder):
-        inside = os.path.relpath(root, folder)
-        for name in sorted([*folders, *files]):
-            path = name if inside == "." else f"{inside}/{name}".replace(os.sep, "/")
-            known = path in (_KNOWN_FOLDERS if name in folders else KNOWN_FILES)
-            if not known or os.path.islink(os.path.join(root, name)):
-                return path
-    return None
-
-
-def is_ours(folder: Path) -> bool:
-    """Tell whether `folder` holds a summary.json written by uavftc."""
-    try:
-        provenance = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["provenance"]
-        return isinstance(provenance, dict) and "uavftc" in provenance
-    except (OSError, ValueError, KeyError, TypeError):
-        return False
 
 
 class ResultFolder:
@@ -61,9 +36,12 @@ class ResultFolder:
     ----------
     target
         The folder to be; a symbolic link is followed.
+    kind
+        What is written into it; what is replaced may be results of any kind.
     """
 
-    def __init__(self, target: Path) -> None:
+    def __init__(self, target: Path, kind: Kind = FLIGHT) -> None:
+        self.kind = kind
         self.target = Path(os.path.realpath(target))
         self._shown = str(target)
         self.path = self._sibling("partial", os.getpid())
@@ -129,23 +107,24 @@ class ResultFolder:
         """
         if self.path not in _open_here:
             return
-        stray = foreign_entry(self.path)
+        stray = foreign_entry(self.path, self.kind)
         if stray or not is_ours(self.path):  # the next flight would refuse our own folder
-            raise RuntimeError(f"not a result folder: {stray + ' is not in KNOWN_FILES' if stray else 'no summary'}")
-        old = self._sibling("old", os.getpid())
+            why = f"{stray} is not in KNOWN_FILES of a {self.kind.name}" if stray else "no summary"
+            raise RuntimeError(f"not a result folder: {why}")
+        old, kind = self._sibling("old", os.getpid()), self.kind
         self.check()
         if os.path.lexists(self.target):
             self._rename(self.target, old)
         try:
             if old.exists():
-                self._refuse_foreign(old)  # a file put there between the look and the move
+                kind = self._refuse_foreign(old)  # a file put there between the look and the move
             self._rename(self.path, self.target)
         except BaseException:
             if old.exists() and not os.path.lexists(self.target):
                 old.rename(self.target)
             raise
         _open_here.discard(self.path)
-        _remove_ours(old)
+        remove_ours(old, kind)
 
     def discard(self) -> None:
         """Remove the unfinished folder and the parents created for it; does nothing once committed."""
@@ -178,20 +157,23 @@ class ResultFolder:
                 str(error), "a folder that no other process writes to", "fly again, or name another folder with --out"
             ) from error
 
-    def _refuse_foreign(self, folder: Path) -> None:
-        stray = foreign_entry(folder)
+    def _refuse_foreign(self, folder: Path) -> Kind:
+        """Return the kind of a folder that is empty or all ours."""
+        kind = kind_of(folder)
+        stray = foreign_entry(folder, kind)
         if stray is not None:
             raise self._error(
                 f"{stray}, which uavftc did not write",
-                "an empty folder, or one that holds only results of uavftc-fly",
+                "an empty folder, or one that holds only results of uavftc",
                 f"move {stray} elsewhere, or name another folder with --out",
             )
         if any(folder.iterdir()) and not is_ours(folder):
             raise self._error(
                 "files with the names of results, but no summary.json of uavftc",
-                "an empty folder, or one that holds only results of uavftc-fly",
+                "an empty folder, or one that holds only results of uavftc",
                 "move the files elsewhere, or name another folder with --out",
             )
+        return kind
 
     def _require_writable(self, folder: Path) -> None:
         if not folder.is_dir():
@@ -202,7 +184,7 @@ class ResultFolder:
             )
 
     def _clean_up_after_the_dead(self) -> None:
-        """Remove what killed flights into this folder left, and put back an old folder caught between two renames."""
+        """Remove what killed jobs into this folder left, and put back an old folder caught between two renames."""
         pattern = re.compile(re.escape(f".{self.target.name}.") + r"(partial|old)-(\d+)")
         for sibling in sorted(self.target.parent.iterdir()):
             match = pattern.fullmatch(sibling.name)
@@ -211,7 +193,7 @@ class ResultFolder:
             if match[1] == "old" and not os.path.lexists(self.target):
                 sibling.rename(self.target)
             else:
-                _remove_ours(sibling)
+                remove_ours(sibling, kind_of(sibling))
 
     def _remove_created(self) -> None:
         for parent in reversed(self._created):
@@ -235,13 +217,3 @@ def _alive(pid: int) -> bool:
     except (PermissionError, OverflowError):
         return True
     return True
-
-
-def _remove_ours(folder: Path) -> None:
-    """Remove the files of `KNOWN_FILES` and then the folders, which stay if anything else is in them."""
-    for name in KNOWN_FILES:
-        with suppress(OSError):
-            (folder / name).unlink()
-    for name in [*sorted(_KNOWN_FOLDERS, reverse=True), ""]:
-        with suppress(OSError):
-            (folder / name).rmdir()

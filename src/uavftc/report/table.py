@@ -15,7 +15,7 @@ from uavftc.signals import AXES
 BAND_DEG = 0.02  # deg, the band of the convergence time
 _FAR_DEG = 0.2  # deg, ten times the band
 
-_ROWS = (
+ROWS = (
     ("steady-state error [deg]", "steady_state_error_deg"),
     ("convergence time [s]", "convergence_time_s"),
     ("IAE [rad s]", "iae"),
@@ -24,6 +24,7 @@ _ROWS = (
     ("ITSE [rad^2 s^2]", "itse"),
     ("control activity [rad]", "control_activity_rad"),
 )
+"""Label and name of each metric, in the order shown."""
 
 
 def metric_table(summary: dict[str, Any]) -> Table:
@@ -33,8 +34,8 @@ def metric_table(summary: dict[str, Any]) -> Table:
     table.add_column("")
     for axis in AXES:
         table.add_column(axis, justify="right", min_width=11)
-    for label, metric in _ROWS:
-        cells = (_cell(metric, summary["axes"][axis][metric], summary["completed"]) for axis in AXES)
+    for label, metric in ROWS:
+        cells = (cell(metric, summary["axes"][axis][metric], summary["completed"]) for axis in AXES)
         table.add_row(Text(label), *cells)  # as Text: "[deg]" would be taken for markup
     return table
 
@@ -52,7 +53,7 @@ def print_result(console: Console, summary: dict[str, Any], folder: Path | None)
         The result folder, or None if nothing was kept.
     """
     console.print(metric_table(summary))
-    console.print(_outcome(summary))
+    console.print(outcome_line(summary))
     for warning in summary.get("warnings", ()):
         console.print(Text.assemble(("warning: ", "yellow"), warning))
     if folder is not None:
@@ -60,7 +61,8 @@ def print_result(console: Console, summary: dict[str, Any], folder: Path | None)
         console.print(Text(f"results: {folder}"), soft_wrap=True)
 
 
-def _outcome(summary: dict[str, Any]) -> Text:
+def outcome_line(summary: dict[str, Any]) -> Text:
+    """Return how the flight of a `summary.json` document ended, and how long it took."""
     timing = summary["timing"]
     steps, wall = timing["controller_steps"], timing["flight_wall_s"]
     pace = f"; {steps} controller steps in {wall:.2f} s"
@@ -72,12 +74,13 @@ def _outcome(summary: dict[str, Any]) -> Text:
     return Text.assemble(("lost", "bold red"), f": {because}", pace)
 
 
-def _cell(metric: str, value: float | None, completed: bool) -> Text:
+def cell(metric: str, value: float | None, completed: bool) -> Text:
+    """Return a metric as shown, coloured by how good it is; None is a dash, or words where it means not converged."""
     if value is None:
         if metric == "convergence_time_s" and completed:
             return Text("not within\nthe flight", style="yellow")
         return Text("-", style="dim")
-    return Text(_number(value, 2 if metric == "convergence_time_s" else 4), style=_style(metric, value))
+    return Text(number(value, 2 if metric == "convergence_time_s" else 4), style=_style(metric, value))
 
 
 def _style(metric: str, value: float) -> str:
@@ -86,7 +89,7 @@ def _style(metric: str, value: float) -> str:
     return "green" if metric == "convergence_time_s" else ""
 
 
-def _number(value: float, digits: int) -> str:
+def number(value: float, digits: int) -> str:
     """Return `value` with fixed decimals, or as a power of ten where these would hide or flood it."""
     hidden = value != 0 and abs(value) < 5 * 10.0**-digits
     return f"{value:.1e}" if hidden or abs(value) >= 1e5 else f"{value:.{digits}f}"

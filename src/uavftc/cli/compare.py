@@ -1,0 +1,77 @@
+"""`uavftc compare SCENARIO`: one scenario on several plants and by several controllers, side by side."""
+
+from __future__ import annotations
+
+import functools
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from uavftc.cli.outcome import LOST
+
+
+def compare(
+    scenario: Annotated[
+        str,
+        typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3)."),
+    ],
+    plants: Annotated[str, typer.Option(metavar="LIST", help="Plants, with commas.")] = "jsbsim,analytic",
+    controllers: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(metavar="LIST", help="Controllers, with commas (nndondi-l1,ndi-l1); default the scenario's own."),
+    ] = None,
+    aircraft: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="Name of a shipped aircraft, or the folder of one."),
+    ] = None,
+    overrides: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
+    ] = None,
+    out: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(metavar="DIR", help="Result folder; default results/compare-<scenario>."),
+    ] = None,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print summary.json, and nothing else, on stdout.")] = False,
+) -> None:
+    """Fly SCENARIO by every combination of plant and controller, and write tables, histories and figures.
+
+    By default this is how JSBSim compares with the analytic model. Exit code 0: all flown to the end. 2: the input is
+    wrong, nothing is written. 3: a vehicle was lost, everything is written. 130: Ctrl-C, nothing is written.
+    """
+    from uavftc.comparison import compare as fly_and_compare  # noqa: PLC0415
+    from uavftc.comparison import load_combinations  # noqa: PLC0415
+    from uavftc.report.progress import progress  # noqa: PLC0415
+    from uavftc.stage import is_compiled  # noqa: PLC0415
+
+    loaded = load_combinations(
+        scenario, plants=plants, controllers=controllers, aircraft=aircraft, overrides=overrides or ()
+    )
+    first = next(iter(loaded.values()))
+    folder = out if out is not None else default_folder(first.name, aircraft)
+    if not quiet and not is_compiled():
+        print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
+    document = fly_and_compare(loaded, folder, figures=not no_plots, progress=functools.partial(progress, quiet=quiet))
+    if as_json:
+        print(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+    if not quiet:
+        from rich.console import Console  # noqa: PLC0415
+
+        from uavftc.report.side_by_side import print_comparison  # noqa: PLC0415
+
+        print_comparison(Console(stderr=as_json), document, folder)
+    if not document["completed"]:
+        raise typer.Exit(LOST)
+
+
+def default_folder(scenario: str, aircraft: str | None) -> Path:
+    """Return results/compare-<scenario>, with the aircraft's name after it when it was an option."""
+    name = f"compare-{scenario}"
+    if aircraft is not None:
+        name += f"-{Path(aircraft).name}".replace(":", "-")
+    return Path("results") / name

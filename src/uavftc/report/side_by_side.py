@@ -1,0 +1,174 @@
+"""The tables of a comparison: on the terminal, as Markdown, and as CSV. Its document is `uavftc.comparison`'s."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from uavftc.report.summary import METRICS
+from uavftc.report.table import ROWS, cell, number, outcome_line
+from uavftc.signals import AXES
+
+MOST_COLUMNS = 4  # of flights, in 80 characters
+_SIZES = (
+    ("attitude, rms [deg]", "attitude_deg", "rms"),
+    ("attitude, largest [deg]", "attitude_deg", "largest"),
+    ("body rates, rms [deg/s]", "rates_degps", "rms"),
+    ("body rates, largest [deg/s]", "rates_degps", "largest"),
+)
+_PLACES = (*AXES, "all")
+
+
+def print_comparison(console: Console, document: dict[str, Any], folder: Path | None) -> None:
+    """Print the tables, how each flight that did not reach its end was lost, warnings, and where the results are."""
+    console.print(Text(title_of(document), style="bold"))
+    for table in [*metric_tables(document), *distance_tables(document)]:
+        console.print()
+        console.print(table)
+    console.print()
+    for flight in document["combinations"]:
+        if not flight["completed"]:
+            console.print(Text.assemble(f"{name_of(flight)}: ", outcome_line(flight)))
+    for warning in document["warnings"]:
+        console.print(Text.assemble(("warning: ", "yellow"), warning))
+    if folder is not None:
+        console.print(Text(f"results: {folder}"), soft_wrap=True)
+
+
+def title_of(document: dict[str, Any]) -> str:
+    """Return the heading of a comparison."""
+    return f"{document['scenario']} on {document['aircraft']}"
+
+
+def name_of(flight: dict[str, Any]) -> str:
+    """Return the name of one flight of a comparison."""
+    return f"{flight['plant']}, {flight['controller']}"
+
+
+def metric_tables(document: dict[str, Any]) -> list[Table]:
+    """Return the metrics of all flights side by side: one table, or one a plant where one would be too wide."""
+    return [_metric_table(block) for block in _blocks(document)]
+
+
+def _metric_table(flights: Sequence[dict[str, Any]]) -> Table:
+    table = _table()
+    table.add_column("")
+    for flight in flights:
+        lost = Text("") if flight["completed"] else Text("\nLOST", style="bold red")
+        heading = Text(f"{flight['plant']}\n{flight['controller']}").append_text(lost)
+        table.add_column(heading, justify="right", min_width=11)
+    for axis in AXES:
+        table.add_row(Text(axis, style="bold"))
+        for label, metric in ROWS:
+            cells = (cell(metric, flight["axes"][axis][metric], flight["completed"]) for flight in flights)
+            table.add_row(Text(label), *cells)
+    return table
+
+
+def _table() -> Table:
+    return Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 0, 0, 1), show_edge=False)
+
+
+def distance_tables(document: dict[str, Any]) -> list[Table]:
+    """Return, for each two plants, how far the flights of each controller are apart."""
+    tables = []
+    for plants, entries in _pairs(document).items():
+        table = _table()
+        table.add_column(plants)
+        for place in _PLACES:
+            table.add_column(place, justify="right", min_width=10)
+        for entry in entries:
+            table.add_row(Text(_heading(entry, document), style="bold"))
+            for label, *path in _SIZES:
+                table.add_row(Text(label), *(Text(_plain(_size(entry, place, *path))) for place in _PLACES))
+        tables.append(table)
+    return tables
+
+
+def _pairs(document: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
+    pairs: dict[str, list[dict[str, Any]]] = {}
+    for entry in document["distances"]:
+        pairs.setdefault(" against ".join(entry["plants"]), []).append(entry)
+    return pairs
+
+
+def _heading(entry: dict[str, Any], document: dict[str, Any]) -> str:
+    """Return the controller, and for how long both flew if that was not to the end."""
+    flown = (f for f in document["combinations"] if f["controller"] == entry["controller"])
+    part = "" if all(f["completed"] for f in flown) else f", until {entry['until_s']:g} s"
+    return f"{entry['controller']}{part}"
+
+
+def markdown(document: dict[str, Any]) -> str:
+    """Return the tables as GitHub Markdown."""
+    lines = [f"# {title_of(document)}", ""]
+    for block in _blocks(document):
+        header = ["", *(name_of(flight) + ("" if flight["completed"] else " (lost)") for flight in block)]
+        rows = []
+        for axis in AXES:
+            rows += [
+                [f"{axis}: {label}", *(_written(metric, flight, axis) for flight in block)] for label, metric in ROWS
+            ]
+        lines += [*_markdown_table(header, rows), ""]
+    for plants, entries in _pairs(document).items():
+        lines += [f"## Distance, {plants}", ""]
+        rows = [
+            [f"{_heading(entry, document)}: {label}", *(_plain(_size(entry, place, *path)) for place in _PLACES)]
+            for entry in entries
+            for label, *path in _SIZES
+        ]
+        lines += [*_markdown_table(["", *_PLACES], rows), ""]
+    lost = [f"- {name_of(f)}: {f['ended_because']}" for f in document["combinations"] if not f["completed"]]
+    if lost:
+        lines += ["## Lost", "", *lost, ""]
+    return "\n".join(lines)
+
+
+def tidy_csv(document: dict[str, Any]) -> str:
+    """Return one line a number: plant, controller, axis, metric, value; a value that does not apply is empty."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["plant", "controller", "axis", "metric", "value"])
+    for flight in document["combinations"]:
+        for axis in AXES:
+            for metric in METRICS:
+                value = flight["axes"][axis][metric]
+                writer.writerow(
+                    [flight["plant"], flight["controller"], axis, metric, "" if value is None else repr(value)]
+                )
+    return text.getvalue()
+
+
+def _blocks(document: dict[str, Any]) -> Iterator[list[dict[str, Any]]]:
+    flights = document["combinations"]
+    if len(flights) <= MOST_COLUMNS:
+        yield flights
+        return
+    for plant in document["plants"]:
+        yield [flight for flight in flights if flight["plant"] == plant]
+
+
+def _size(entry: dict[str, Any], place: str, quantity: str, size: str) -> float | None:
+    value: float | None = entry[quantity][place][size]
+    return value
+
+
+def _plain(value: float | None) -> str:
+    return "-" if value is None else number(value, 4)
+
+
+def _written(metric: str, flight: dict[str, Any], axis: str) -> str:
+    return cell(metric, flight["axes"][axis][metric], flight["completed"]).plain.replace("\n", " ")
+
+
+def _markdown_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    ruler = ["---", *["---:"] * (len(header) - 1)]
+    return ["| " + " | ".join(text.replace("|", "\\|") for text in line) + " |" for line in (header, ruler, *rows)]
