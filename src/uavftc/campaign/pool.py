@@ -40,9 +40,13 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> Flown:
     ------
     InputError
         If it cannot be flown.
+    KeyboardInterrupt
+        After Ctrl-C: what is kept of one flight among many is all of it or nothing.
     """
     flight = build_flight(scenario)
     records, outcome = fly_to_memory(flight)
+    if outcome.interrupted:
+        raise KeyboardInterrupt
     axes = metrics_of(records, completed=outcome.completed)
     return Flown(flight.scenario, outcome, axes, published(records) if keep_history else None, flight.plant.settings)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import typer
 
@@ -13,7 +14,7 @@ from uavftc.cli.fly import fly
 from uavftc.cli.outcome import exit_codes
 from uavftc.cli.reproduce import reproduce
 
-_SETTINGS = {
+_SETTINGS: dict[str, Any] = {
     "add_completion": False,
     "pretty_exceptions_enable": False,
     "rich_markup_mode": None,
