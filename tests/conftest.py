@@ -2,5 +2,23 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory):
+    """Keep trimmed models and copies of aircraft in a folder of this session; return it.
+
+    Compiled laws stay in the user's cache: they are the same, and compiling them takes longer than most tests.
+    """
+    from uavftc.plants.jsbsim import model, moment
+
+    cache = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (model, moment):
+            patch.setattr(module, "platformdirs", SimpleNamespace(user_cache_path=lambda _name: cache))
+        yield cache

@@ -1,16 +1,23 @@
-"""Flights for tests, each flown once a session."""
+"""Flights for tests, each flown once a session, and plants without a controller."""
 
 from __future__ import annotations
 
 import functools
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from uavftc.aircraft import Aircraft
 from uavftc.analysis.metrics import INTEGRALS, metrics_of
 from uavftc.build import Flight, build_flight
 from uavftc.flight import Outcome, fly_to_memory
+from uavftc.plants.interface import Timing
+from uavftc.plants.jsbsim.model import trimmed_model
 from uavftc.scenario.load import load_scenario
 from uavftc.signals import AXES
+
+if TYPE_CHECKING:
+    from uavftc.plants.jsbsim.plant import JSBSimPlant
 
 
 @functools.cache
@@ -22,6 +29,21 @@ def flown(
     records, outcome = fly_to_memory(flight)
     records.setflags(write=False)
     return flight, records, outcome
+
+
+def jsbsim_plant(
+    aircraft: Aircraft,
+    timing: Timing | None = None,
+    *,
+    airspeed: float = 30.0,
+    altitude: float = 1000.0,
+    **options: Any,
+) -> JSBSimPlant:
+    """Return an aircraft at its trim: in still air, without a moment input, unless `options` say otherwise."""
+    from uavftc.plants.jsbsim.plant import JSBSimPlant  # only the tests that fly JSBSim import it
+
+    given = {"wind_n": np.zeros(3), "has_wind": False, "has_moment": False} | options
+    return JSBSimPlant(aircraft, trimmed_model(aircraft, airspeed, altitude), timing or Timing(0.005, 1, 0.0), **given)
 
 
 def integrals(scenario: str, plant: str, overrides: tuple[str, ...] = (), controller: str | None = None) -> np.ndarray:

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import uavftc
-from uavftc import envelope, stage
+from uavftc import compile_cache, envelope, stage
 from uavftc.actuators import effectiveness, saturation
 from uavftc.sensors import gyro
 from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program, compile_cache, params_of
+from uavftc.stage import Program, params_of
 
 
 def limits(low, high):
@@ -128,13 +128,13 @@ def test_solve_agrees_with_lapack():
 def source(tmp_path, monkeypatch):
     """A copy of the package that the cache takes for the source; its cache lies in tmp_path/cache."""
     copy = tmp_path / "copy"
-    shutil.copytree(Path(stage.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(stage, "__file__", str(copy / "stage.py"))
+    shutil.copytree(Path(compile_cache.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(compile_cache, "__file__", str(copy / "compile_cache.py"))
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
     return copy
 
 
-folder_of = stage.compile_cache_dir.__wrapped__  # without the memory of an earlier call
+folder_of = compile_cache.compile_cache_dir.__wrapped__  # without the memory of an earlier call
 
 
 def test_cache_folder_belongs_to_exactly_this_source(source, tmp_path):
@@ -164,16 +164,16 @@ def test_cache_folder_does_not_depend_on_where_the_source_lies(source, tmp_path,
     # the content counts, not the path: an installed package and a checkout of it share
     first = folder_of()
     source.rename(tmp_path / "moved")
-    monkeypatch.setattr(stage, "__file__", str(tmp_path / "moved" / "stage.py"))
+    monkeypatch.setattr(compile_cache, "__file__", str(tmp_path / "moved" / "compile_cache.py"))
     assert folder_of() == first
 
 
 def test_every_compiled_source_file_is_part_of_the_address():
     # a new module with laws that is not hashed would be served from a stale cache
-    package = Path(stage.__file__).parent
+    package = Path(compile_cache.__file__).parent
     hashed = {
         file.relative_to(package)
-        for part in stage._COMPILED
+        for part in compile_cache._COMPILED
         for file in ([package / part] if part.endswith(".py") else (package / part).rglob("*.py"))
     }
     with_laws = {
@@ -190,7 +190,7 @@ def test_cache_that_cannot_be_written_falls_back_to_a_private_folder(source, tmp
     blocked = tmp_path / "a file"
     blocked.write_text("")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
-    monkeypatch.setattr(stage.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
+    monkeypatch.setattr(compile_cache.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
     folder = folder_of()
     assert (tmp_path / "temporary") in folder.parents
     assert os.access(folder, os.W_OK)
@@ -201,28 +201,28 @@ def test_cache_that_cannot_be_written_falls_back_to_a_private_folder(source, tmp
 def test_cache_that_is_read_only_is_not_used(source, tmp_path, monkeypatch):
     # the folder exists and may be entered, but not written
     access = os.access
-    monkeypatch.setattr(stage.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    monkeypatch.setattr(stage.os, "access", lambda p, mode: "temporary" in str(p) and access(p, mode))
+    monkeypatch.setattr(compile_cache.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
+    monkeypatch.setattr(compile_cache.os, "access", lambda p, mode: "temporary" in str(p) and access(p, mode))
     assert (tmp_path / "temporary") in folder_of().parents
 
 
 def test_without_any_writable_place_a_fresh_temporary_folder_serves(source, tmp_path, monkeypatch):
     # the last resort is never shared
-    monkeypatch.setattr(stage.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    monkeypatch.setattr(stage.os, "access", lambda *_: False)
-    monkeypatch.setattr(stage.tempfile, "mkdtemp", lambda prefix: str(tmp_path / f"{prefix}fresh"))
+    monkeypatch.setattr(compile_cache.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
+    monkeypatch.setattr(compile_cache.os, "access", lambda *_: False)
+    monkeypatch.setattr(compile_cache.tempfile, "mkdtemp", lambda prefix: str(tmp_path / f"{prefix}fresh"))
     assert folder_of() == tmp_path / "uavftc-fresh"
 
 
 def test_cache_setting_of_other_users_of_numba_is_restored(monkeypatch):
     # also when the compilation fails
     monkeypatch.setattr(numba.config, "CACHE_DIR", "somewhere else")
-    with compile_cache():
-        assert str(stage.compile_cache_dir()) == numba.config.CACHE_DIR
+    with compile_cache.compile_cache():
+        assert str(compile_cache.compile_cache_dir()) == numba.config.CACHE_DIR
     assert numba.config.CACHE_DIR == "somewhere else"
 
     def fails():
-        with compile_cache():
+        with compile_cache.compile_cache():
             raise RuntimeError
 
     with pytest.raises(RuntimeError):

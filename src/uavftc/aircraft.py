@@ -1,17 +1,21 @@
-"""Aircraft definitions: a folder with a JSBSim model, and beside it what the project needs beyond the XML.
+"""Aircraft definitions: a JSBSim model, and beside it what the project needs beyond the XML.
 
-NAME/NAME.xml       the JSBSim model; engine/ and systems/ beside it if it has any
-NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, the analytic model
+    NAME/NAME.xml       the JSBSim model; engine/ and systems/ beside it if it has any
+    NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, the analytic model
+
+The companion is optional, and so is each of its keys: what it does not say is found out by measuring
+(`plants/jsbsim/model.py`), with JSBSim's standard property names. JSBSim's own aircraft are `jsbsim:NAME`.
 """
 
 from __future__ import annotations
 
+import difflib
 import hashlib
+import importlib.util
 import re
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 from pydantic import AfterValidator, Field, PrivateAttr, ValidationError
 from pydantic_core import PydanticCustomError
 
@@ -20,9 +24,10 @@ from uavftc.resources import aircraft_dir, aircraft_names
 from uavftc.scenario.document import Document
 from uavftc.scenario.explain import explain
 from uavftc.scenario.load import read_document
-from uavftc.scenario.values import Matrix3, Model, Positive
+from uavftc.scenario.values import Matrix3, Model, Number, Positive
 
 COMPANION = "uavftc.yaml"
+STOCK = "jsbsim:"
 
 # JSBSim aborts the process when asked for a name that is no XML name, so no other ever reaches it.
 _PROPERTY = r"[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?(/[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?)*"
@@ -55,19 +60,29 @@ class MassProperties(Model):
 
 
 class Surface(Model):
-    """A control surface: its command and position properties, rad, and its mechanical stop, rad."""
+    """A control surface: its command and position properties, and how the command counts.
+
+    `rad_per_command` is the deflection, rad, per unit of the command, negative where a positive command gives a
+    negative moment about the surface's axis; null is measured. `stop_rad` is the mechanical stop either side of
+    neutral; null is a command range of -1 to 1.
+    """
 
     command: Property
-    position: Property
-    stop_rad: Positive
+    position: Property | None = None
+    stop_rad: Positive | None = None
+    rad_per_command: Number | None = None
+
+
+def _standard(command: str, position: str) -> Surface:
+    return Surface(command=f"fcs/{command}-cmd-norm", position=f"fcs/{position}-pos-rad")
 
 
 class Surfaces(Model):
-    """The three surfaces; positive deflection gives a positive moment about the surface's axis."""
+    """The three surfaces; deflections count so that positive gives a positive moment about the surface's axis."""
 
-    aileron: Surface
-    elevator: Surface
-    rudder: Surface
+    aileron: Surface = _standard("aileron", "left-aileron")
+    elevator: Surface = _standard("elevator", "elevator")
+    rudder: Surface = _standard("rudder", "rudder")
 
 
 class Throttle(Model):
@@ -96,16 +111,18 @@ class Aircraft(Model):
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
     description: str = ""
-    initial: InitialCondition
-    mass_properties: MassProperties
-    surfaces: Surfaces
-    throttle: Throttle
+    initial: InitialCondition | None = None
+    mass_properties: MassProperties | None = None
+    surfaces: Surfaces = Surfaces()
+    throttle: Throttle | None = None
     autothrottle: Autothrottle | None = None
     disturbance_moment: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")] | None = None
     planet: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*\.xml$")] | None = None
-    analytic: AnalyticModel
+    analytic: AnalyticModel | None = None
 
     _folder: Path = PrivateAttr(default=Path())
+    _stock: bool = PrivateAttr(default=False)
+    _checked: bool = PrivateAttr(default=True)
 
     @property
     def folder(self) -> Path:
@@ -122,15 +139,52 @@ class Aircraft(Model):
         """The JSBSim model."""
         return self.folder / f"{self.folder.name}.xml"
 
+    @property
+    def reference(self) -> str:
+        """What `load_aircraft` takes to read it again."""
+        return f"{STOCK}{self.name}" if self._stock else str(self.folder)
+
+    @property
+    def strict(self) -> bool:
+        """Whether a warning of JSBSim is an error: with a companion file, which claims that all is well."""
+        return self._checked
+
+    @property
+    def engine_dir(self) -> Path:
+        """Where JSBSim looks for engines and propellers."""
+        return self.folder.parents[1] / "engine" if self._stock else self.folder / "engine"
+
+    @property
+    def systems_dir(self) -> Path:
+        """Where JSBSim looks for systems."""
+        return self.folder.parents[1] / "systems" if self._stock else self.folder / "systems"
+
+    def surface_list(self) -> tuple[Surface, Surface, Surface]:
+        """Return aileron, elevator and rudder."""
+        return self.surfaces.aileron, self.surfaces.elevator, self.surfaces.rudder
+
+    def command_limits(self) -> tuple[float, ...]:
+        """Return the largest command of aileron, elevator and rudder either side of neutral, in their own units."""
+        return tuple(
+            1.0 if s.stop_rad is None else s.stop_rad / abs(s.rad_per_command or 1.0) for s in self.surface_list()
+        )
+
+    def throttle_commands(self, engines: int) -> tuple[str, ...]:
+        """Return the throttle command properties, for an aircraft of so many engines."""
+        if self.throttle is not None:
+            return self.throttle.command
+        return tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(engines))
+
     def properties(self) -> list[tuple[str, str]]:
-        """Return (key, property) of every JSBSim property that the companion file names."""
-        named = [
-            (f"surfaces.{name}.{what}", getattr(getattr(self.surfaces, name), what))
-            for name in Surfaces.model_fields
-            for what in ("command", "position")
-        ]
-        named += [("throttle.command", name) for name in self.throttle.command]
-        named += [("throttle.position", name) for name in self.throttle.position]
+        """Return (key, property) of every JSBSim property that the aircraft is flown by."""
+        named = []
+        for name, surface in zip(Surfaces.model_fields, self.surface_list(), strict=True):
+            named.append((f"surfaces.{name}.command", surface.command))
+            if surface.position is not None and self._checked:
+                named.append((f"surfaces.{name}.position", surface.position))
+        if self.throttle is not None:
+            named += [("throttle.command", name) for name in self.throttle.command]
+            named += [("throttle.position", name) for name in self.throttle.position]
         if self.autothrottle is not None:
             named += [
                 ("autothrottle.switch", self.autothrottle.switch),
@@ -141,10 +195,6 @@ class Aircraft(Model):
             named += [("disturbance_moment", f"{base}/{part}") for part in ("l", "m", "n", "magnitude-lbsft")]
         return named
 
-    def stops_rad(self) -> np.ndarray:
-        """Return the mechanical stops of aileron, elevator and rudder, shape (3,), rad, either side of neutral."""
-        return np.array([getattr(self.surfaces, name).stop_rad for name in Surfaces.model_fields])
-
     def sha256(self) -> str:
         """Return the checksum of all files of the definition, names included."""
         digest = hashlib.sha256()
@@ -154,12 +204,12 @@ class Aircraft(Model):
 
 
 def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
-    """Return the definition of a shipped aircraft by name, or of a folder by path.
+    """Return the definition of a shipped aircraft by name, of a folder by path, or of one of JSBSim's own.
 
     Parameters
     ----------
     aircraft
-        A name under aircraft/, or the path of a folder.
+        A name under aircraft/, the path of a folder, or jsbsim:NAME.
     where
         What the user set to this value, for the error.
 
@@ -168,16 +218,20 @@ def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
     InputError
         If there is no such aircraft, or its companion file is wrong.
     """
+    if aircraft.startswith(STOCK):
+        return _stock(aircraft.removeprefix(STOCK), where)
     folder = _folder(aircraft, where)
-    companion, xml = folder / COMPANION, folder / f"{folder.name}.xml"
-    for file, what in ((companion, "the companion file"), (xml, "the JSBSim model")):
-        if not file.is_file():
-            raise InputError(
-                where,
-                found=f"{folder}, without {file.name}",
-                expected=f"a folder with {what} {file.name}",
-                remedy=f"add {file.name} (aircraft/hale has one of each), or name another aircraft",
-            )
+    xml = folder / f"{folder.name}.xml"
+    if not xml.is_file():
+        raise InputError(
+            where,
+            found=f"{folder}, without {xml.name}",
+            expected=f"a folder with the JSBSim model {xml.name}",
+            remedy=f"add {xml.name} (JSBSim wants the folder's name), or name another aircraft",
+        )
+    companion = folder / COMPANION
+    if not companion.is_file():
+        return _bare(folder.name, folder)
     document = read_document(companion, what="companion file of an aircraft")
     return _validated(document, folder)
 
@@ -191,6 +245,39 @@ def _validated(document: Document, folder: Path) -> Aircraft:
     return aircraft
 
 
+def _bare(name: str, folder: Path, *, stock: bool = False) -> Aircraft:
+    """Return the definition of an aircraft about which nothing is known but its XML."""
+    aircraft = Aircraft(name=re.sub(r"[^A-Za-z0-9._-]", "-", name))
+    aircraft._folder, aircraft._stock, aircraft._checked = folder, stock, False
+    return aircraft
+
+
+def stock_dir() -> Path:
+    """Return the folder of the aircraft that JSBSim ships, without importing it."""
+    spec = importlib.util.find_spec("jsbsim")
+    places = spec.submodule_search_locations if spec is not None else None
+    return Path(places[0] if places else "jsbsim") / "aircraft"
+
+
+def stock_names() -> list[str]:
+    """Return the names of the aircraft that JSBSim ships, sorted."""
+    folder = stock_dir()
+    return sorted(p.name for p in folder.iterdir() if (p / f"{p.name}.xml").is_file()) if folder.is_dir() else []
+
+
+def _stock(name: str, where: str) -> Aircraft:
+    names = stock_names()
+    if name not in names:
+        near = difflib.get_close_matches(name, names, 1)
+        raise InputError(
+            where,
+            found=f"'{STOCK}{name}', which JSBSim does not ship",
+            expected=f"jsbsim: and one of {', '.join(names)}",
+            remedy=f"did you mean {STOCK}{near[0]}?" if near else "choose one of them (uavftc aircraft lists them)",
+        )
+    return _bare(name, stock_dir() / name, stock=True)
+
+
 def _folder(aircraft: str, where: str) -> Path:
     shipped = aircraft_dir() / aircraft
     if aircraft in aircraft_names():
@@ -198,16 +285,10 @@ def _folder(aircraft: str, where: str) -> Path:
     folder = Path(aircraft).expanduser()
     if folder.is_dir():
         return folder.resolve()
-    if aircraft.startswith("jsbsim:"):
-        raise InputError(
-            where,
-            found=f"'{aircraft}': flying JSBSim's own aircraft is not available yet",
-            expected=f"a shipped aircraft ({', '.join(aircraft_names())}) or the path of an aircraft folder",
-            remedy=f"copy the aircraft into a folder of its own and write a {COMPANION} beside its XML",
-        )
+    stock = f"; or {STOCK}{aircraft}" if aircraft in stock_names() else ""
     raise InputError(
         where,
         found=f"'{aircraft}', which is neither a shipped aircraft nor a folder",
-        expected=f"a shipped aircraft ({', '.join(aircraft_names())}) or the path of an aircraft folder",
-        remedy="check the spelling; a relative path counts from the scenario file, with --aircraft from here",
+        expected=f"a shipped aircraft ({', '.join(aircraft_names())}), the path of an aircraft folder, or jsbsim:NAME",
+        remedy=f"check the spelling{stock}; a relative path counts from the scenario file, with --aircraft from here",
     )

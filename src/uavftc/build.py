@@ -6,6 +6,7 @@ Nothing reads YAML after this.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,14 +14,20 @@ import numpy as np
 from uavftc import envelope
 from uavftc.actuators import delay, effectiveness, saturation
 from uavftc.aircraft import Aircraft, load_aircraft
+from uavftc.control.authority import Authority, authority, obstacles
 from uavftc.control.gains import lyapunov_P, reference_gain
+from uavftc.control.own import ControlDesign, own_blocks
 from uavftc.environment.inputs import Inputs
+from uavftc.errors import InputError
 from uavftc.plants.interface import Plant, Timing
-from uavftc.scenario.controllers import Controller, L1Inner, MracInner, NdiOuter, NndoNdiOuter
+from uavftc.plants.jsbsim.model import ALTITUDE_M, TrimmedModel, trimmed_model, trimmed_models
+from uavftc.scenario.controllers import A_M, Controller, L1Inner, MracInner, NdiOuter, NndoNdiOuter, OwnController
 from uavftc.scenario.schema import Initial, Scenario
 from uavftc.sensors import gyro
-from uavftc.stage import Block, Program, params_of
+from uavftc.stage import Block, Program, PythonBlock, params_of
 
+AMPLE = 3.0  # authority, available over demanded, with which an airspeed is chosen without looking further
+NOMINAL_AIRSPEED_MPS = 30.0  # for a rotational model without one; nothing depends on it but the envelope's limits
 MAX_ALIGNING = 8  # how many times finer the plant may step so that a delay falls on its steps
 
 
@@ -49,9 +56,10 @@ def build_flight(scenario: Scenario) -> Flight:
         If the aircraft does not exist, does not load, or cannot be trimmed.
     """
     aircraft = load_aircraft(scenario.aircraft)
-    scenario = resolved(scenario, aircraft)
+    model = model_of(scenario, aircraft)
+    scenario = resolved(scenario, aircraft, model)
     timing, whole = timing_of(scenario)
-    plant, inputs = make_plant(scenario, aircraft, timing)
+    plant, inputs = make_plant(scenario, aircraft, model, timing)
     watch = params_of(
         envelope.PARAMS,
         bank_max=math.radians(scenario.envelope.bank_deg),
@@ -62,23 +70,111 @@ def build_flight(scenario: Scenario) -> Flight:
     blocks = [
         *plant.before(),
         gyro.stage.block(params_of(gyro.PARAMS, bias=np.radians(scenario.sensors.gyro_bias_degps))),
-        *controller_blocks(scenario.controller, timing.h, float(plant.x1_trim[2])),
-        *actuator_blocks(scenario, aircraft, plant, timing, whole),
+        *controller_blocks(scenario, aircraft, model, plant, timing.h),
+        *actuator_blocks(scenario, plant, timing, whole),
         envelope.stage.block(watch),
         *plant.after(),
     ]
     return Flight(scenario, aircraft, plant, Program(blocks), inputs, watch, scenario.steps)
 
 
-def resolved(scenario: Scenario, aircraft: Aircraft) -> Scenario:
+def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
+    """Return the aircraft's trimmed model at the scenario's condition, or None where the analytic plant needs none.
+
+    Where neither scenario nor aircraft give an airspeed, the lowest with authority for the demanded step is chosen.
+
+    Raises
+    ------
+    InputError
+        If there is no trim, or the controller cannot fly the aircraft there.
+    """
+    if scenario.plant == "analytic" and aircraft.analytic is not None and aircraft.mass_properties is not None:
+        return None
+    own = aircraft.initial
+    altitude = scenario.initial.altitude_m or (own.altitude_m if own else ALTITUDE_M)
+    airspeed = scenario.initial.airspeed_mps or (own.airspeed_mps if own else None)
+    if airspeed is None:
+        return choose_airspeed(scenario, aircraft, trimmed_models(aircraft, altitude))
+    model = trimmed_model(aircraft, airspeed, altitude)
+    if aircraft.analytic is None:
+        refuse_unflyable(scenario, aircraft, model)
+    return model
+
+
+def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
+    """Return the authority of a trimmed model for the largest step of the scenario's reference."""
+    controller = scenario.controller
+    own = isinstance(controller, OwnController)
+    return authority(
+        np.array(model.A),
+        np.array(model.B),
+        np.array(model.limits_rad),
+        A_m=np.array(A_M if own else controller.inner.A_m),
+        bandwidth=np.full(3, 0.5) if own else np.array(controller.outer.bandwidth),
+        step=largest_step(scenario),
+    )
+
+
+def largest_step(scenario: Scenario) -> np.ndarray:
+    """Return the largest change of the reference from the trim, shape (3,), rad."""
+    reference, t = scenario.reference, scenario.times()
+    signals = (reference.phi_deg, reference.theta_deg, reference.psi_deg)
+    return np.radians([float(np.max(np.abs(s.sample(t[:1] if s.constant is not None else t)))) for s in signals])
+
+
+def choose_airspeed(scenario: Scenario, aircraft: Aircraft, models: Sequence[TrimmedModel]) -> TrimmedModel:
+    """Return the model at the lowest airspeed with ample authority, or else with the most.
+
+    Raises
+    ------
+    InputError
+        If none has enough.
+    """
+    flyable = []
+    for model in models:
+        found = obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
+        flyable.append(-1.0 if found else float(np.min(authority_of(scenario, model).ratio)))
+    ample = [i for i, ratio in enumerate(flyable) if ratio >= AMPLE]
+    best = models[ample[0] if ample else int(np.argmax(flyable))]
+    refuse_unflyable(scenario, aircraft, best)
+    return best
+
+
+def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel) -> None:
+    """Refuse an aircraft that the controller cannot fly at a trim.
+
+    Raises
+    ------
+    InputError
+        If a surface does not respond, B is ill-conditioned, or an axis has too little authority for the reference.
+    """
+    limits, nonlinearity = np.array(model.limits_rad), np.array(model.nonlinearity)
+    found = obstacles(model.B_rates, limits, nonlinearity, None)
+    found = found or obstacles(model.B_rates, limits, nonlinearity, authority_of(scenario, model).ratio)
+    if found:
+        airspeed = model.trim["airspeed"]
+        raise InputError(
+            f"aircraft {aircraft.name}, at {airspeed:g} m/s and {model.trim['altitude']:g} m",
+            found="; ".join(found),
+            expected="three surfaces that respond, each mostly on its own axis, with authority for the reference",
+            remedy="choose another initial.airspeed_mps, a smaller reference, or another aircraft "
+            f"(uavftc design {aircraft.reference} shows the numbers)",
+        )
+
+
+def resolved(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None) -> Scenario:
     """Return the scenario with everything filled in that it leaves to the aircraft."""
-    airspeed = scenario.initial.airspeed_mps or aircraft.initial.airspeed_mps
-    altitude = scenario.initial.altitude_m or aircraft.initial.altitude_m
+    own = aircraft.initial
+    airspeed = scenario.initial.airspeed_mps or (model.trim["airspeed"] if model else own and own.airspeed_mps)
+    altitude = scenario.initial.altitude_m or (model.trim["altitude"] if model else own and own.altitude_m)
+    airspeed, altitude = airspeed or NOMINAL_AIRSPEED_MPS, altitude or ALTITUDE_M
     limits = scenario.envelope
     slow, fast = limits.min_airspeed_mps, limits.max_airspeed_mps
-    inner = scenario.controller.inner
-    if inner.B_m is None:
-        inner = inner.model_copy(update={"B_m": aircraft.analytic.B_m})
+    controller = scenario.controller
+    if isinstance(controller, Controller) and controller.inner.B_m is None:
+        B_m = aircraft.analytic.B_m if aircraft.analytic else _rows(model.B_rates) if model else None
+        inner = controller.inner.model_copy(update={"B_m": B_m})
+        controller = controller.model_copy(update={"inner": inner})
     return scenario.model_copy(
         update={
             "initial": Initial(airspeed_mps=airspeed, altitude_m=altitude),
@@ -88,7 +184,7 @@ def resolved(scenario: Scenario, aircraft: Aircraft) -> Scenario:
                     "max_airspeed_mps": 2.0 * airspeed if fast is None else fast,
                 }
             ),
-            "controller": scenario.controller.model_copy(update={"inner": inner}),
+            "controller": controller,
         }
     )
 
@@ -112,37 +208,75 @@ def timing_of(scenario: Scenario) -> tuple[Timing, int]:
     return Timing(h, substeps, part), whole
 
 
-def make_plant(scenario: Scenario, aircraft: Aircraft, timing: Timing) -> tuple[Plant, Inputs]:
-    """Return the plant, trimmed, and the inputs that count from its trim."""
+def make_plant(
+    scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, timing: Timing
+) -> tuple[Plant, Inputs]:
+    """Return the plant at its trim, and the inputs that count from it."""
+    plant: Plant
     if scenario.plant == "analytic":
-        from uavftc.plants.analytic import AnalyticPlant  # noqa: PLC0415 - each plant is imported only when flown
+        plant = make_analytic(aircraft, model, timing)
+        return plant, Inputs(scenario, plant.x1_trim)
+    from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415 - each plant is imported only when flown
 
-        model = aircraft.analytic
-        inertia = np.array(aircraft.mass_properties.inertia_kgm2)
-        analytic = AnalyticPlant(inertia, np.array(model.A_l), np.array(model.B_m), timing)
-        return analytic, Inputs(scenario, analytic.x1_trim)
-    from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415
-    from uavftc.plants.jsbsim.probe import ensure_loads  # noqa: PLC0415
-
-    ensure_loads(aircraft)
+    assert model is not None  # every JSBSim aircraft is flown from a trimmed model
     air = Inputs(scenario, np.zeros(3))
-    assert scenario.initial.airspeed_mps is not None  # resolved
-    assert scenario.initial.altitude_m is not None
-    jsbsim = JSBSimPlant(
-        aircraft,
-        timing,
-        airspeed=scenario.initial.airspeed_mps,
-        altitude=scenario.initial.altitude_m,
-        wind_n=air.wind_at_start(),
-        has_wind=air.has_wind,
-        has_moment=air.has_moment,
+    plant = JSBSimPlant(
+        aircraft, model, timing, wind_n=air.wind_at_start(), has_wind=air.has_wind, has_moment=air.has_moment
     )
-    return jsbsim, Inputs(scenario, jsbsim.x1_trim)
+    return plant, Inputs(scenario, plant.x1_trim)
 
 
-def controller_blocks(controller: Controller, h: float, psi_0: float) -> list[Block]:
-    """Return the outer and the inner loop as blocks, for a sample time h, s, and an initial heading psi_0, rad."""
+def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing) -> Plant:
+    """Return the rotational model: the companion file's, or the one measured on JSBSim at the trim."""
+    from uavftc.plants.analytic import AnalyticPlant  # noqa: PLC0415
+
+    if model is None:
+        assert aircraft.analytic is not None  # or there would be a trimmed model
+        assert aircraft.mass_properties is not None
+        stops = np.array([s.stop_rad or np.inf for s in aircraft.surface_list()])
+        return AnalyticPlant(
+            np.array(aircraft.mass_properties.inertia_kgm2),
+            np.array(aircraft.analytic.A_l),
+            np.array(aircraft.analytic.B_m),
+            timing,
+            u_limits=np.column_stack([-stops, stops]),
+        )
+    inertia = np.array(model.inertia_kgm2)
+    inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0  # eq. (2) knows no other product of inertia than J_xz
+    return AnalyticPlant(
+        inertia,
+        model.A_rates,
+        model.B_rates,
+        timing,
+        x1_trim=np.array([model.trim["phi"], model.trim["theta"], 0.0]),
+        u_limits=np.array(model.limits_rad),
+    )
+
+
+def _rows(matrix: np.ndarray) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(map(float, row)) for row in matrix)
+
+
+def controller_blocks(
+    scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant, h: float
+) -> list[Block] | list[Block | PythonBlock]:
+    """Return the controller as blocks, for a sample time h, s: outer and inner loop, or a module of one's own."""
+    controller, psi_0 = scenario.controller, float(plant.x1_trim[2])
+    if isinstance(controller, OwnController):
+        return own_blocks(controller.kind, control_design(scenario, aircraft, model, plant), h, controller.options)
     return [*outer_blocks(controller.outer, h, psi_0), *inner_blocks(controller.inner, h, psi_0)]
+
+
+def control_design(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant) -> ControlDesign:
+    """Return what a controller may be designed from: the pair measured at the trim, or the aircraft's own."""
+    if model is not None:
+        A, B = model.A_rates, model.B_rates
+    else:
+        assert aircraft.analytic is not None  # or there would be a trimmed model
+        A, B = np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)
+    commanded, stops = scenario.limits_rad(), plant.u_limits
+    limits = np.column_stack([np.maximum(commanded[:, 0], stops[:, 0]), np.minimum(commanded[:, 1], stops[:, 1])])
+    return ControlDesign(A, B, limits, np.array(plant.x1_trim), aircraft.name)
 
 
 def outer_blocks(outer: NdiOuter | NndoNdiOuter, h: float, psi_0: float) -> list[Block]:
@@ -195,15 +329,13 @@ def inner_blocks(inner: L1Inner | MracInner, h: float, psi_0: float) -> list[Blo
     return [mrac.stage.block(params_of(mrac.PARAMS, **shared))]
 
 
-def actuator_blocks(scenario: Scenario, aircraft: Aircraft, plant: Plant, timing: Timing, whole: int) -> list[Block]:
+def actuator_blocks(scenario: Scenario, plant: Plant, timing: Timing, whole: int) -> list[Block]:
     """Return the chain on the surfaces: delay, saturation, effectiveness and bias, mechanical stops."""
     line = delay.stage.block(params_of(delay.PARAMS, whole=whole, partial=timing.switch), delay.memory(whole))
-    limits = scenario.limits_rad()
-    stops = aircraft.stops_rad()
-    trim = plant.surface_trim
+    limits, stops = scenario.limits_rad(), plant.u_limits
     return [
         line,
         saturation.stage.block(params_of(saturation.PARAMS, u_min=limits[:, 0], u_max=limits[:, 1])),
         effectiveness.stage.block(),
-        saturation.stage.block(params_of(saturation.PARAMS, u_min=-stops - trim, u_max=stops - trim)),
+        saturation.stage.block(params_of(saturation.PARAMS, u_min=stops[:, 0], u_max=stops[:, 1])),
     ]

@@ -14,6 +14,7 @@ import numpy as np
 
 from uavftc.aircraft import load_aircraft
 from uavftc.campaign.pool import Flown, fly_one
+from uavftc.control.own_module import checksum, is_path, is_there, registered
 from uavftc.errors import InputError
 from uavftc.flight import CHUNK_ROWS
 from uavftc.recorder import ParquetRecorder
@@ -22,8 +23,9 @@ from uavftc.report.kinds import COMPARISON, PLANTS
 from uavftc.report.results import ResultFolder
 from uavftc.report.side_by_side import markdown, tidy_csv, title_of
 from uavftc.report.summary import provenance, summary, write_json
+from uavftc.scenario.controllers import OwnController
 from uavftc.scenario.load import controller_name, load_scenario, scenario_text, warnings
-from uavftc.scenario.overrides import CONTROLLERS
+from uavftc.scenario.overrides import CONTROLLERS, own_name
 from uavftc.scenario.schema import Scenario
 from uavftc.signals import COLUMNS, SURFACES, as_records, empty_rows
 
@@ -49,7 +51,7 @@ def load_combinations(
     source, aircraft, overrides
         As `scenario.load.load_scenario` takes them.
     plants, controllers
-        Names with commas between them; controllers None is the scenario's own.
+        Names with commas between them, as `--controller` takes them; controllers None is the scenario's own.
 
     Raises
     ------
@@ -57,14 +59,22 @@ def load_combinations(
         If a list has an unknown name or one twice, or if the scenario is wrong or cannot be flown on one of the plants.
     """
     chosen = _names("--plants", plants, PLANTS)
-    wanted = [None] if controllers is None else _names("--controllers", controllers, tuple(CONTROLLERS))
+    wanted = [None] if controllers is None else _controllers(controllers)
     loaded: dict[Key, Scenario] = {}
     for plant in chosen:
         for controller in wanted:
             scenario = load_scenario(source, overrides=overrides, plant=plant, aircraft=aircraft, controller=controller)
             own = controller_name(scenario)
             _refuse_overridden("--set plant", scenario.plant, plant, "--plants")
-            _refuse_overridden("--set controller", own, controller or own, "--controllers")
+            named = own if controller is None else controller if controller in CONTROLLERS else own_name(controller)
+            _refuse_overridden("--set controller", own, named, "--controllers")
+            if (plant, own) in loaded:
+                raise InputError(
+                    f"--controllers {controllers}",
+                    found=f"two controllers that are called {own}",
+                    expected="controllers of different names: results are told apart by them",
+                    remedy="rename one of the modules",
+                )
             loaded[plant, own] = scenario
     return loaded
 
@@ -168,12 +178,15 @@ def flight_summary(flown: Flown) -> dict[str, Any]:
 
 def origin_of(flown: Flown) -> dict[str, Any]:
     """Return the provenance of a flight."""
-    return provenance(
+    origin = provenance(
         seed=flown.scenario.seed,
         scenario_sha256=hashlib.sha256(scenario_text(flown.scenario).encode()).hexdigest(),
         aircraft_sha256=load_aircraft(flown.scenario.aircraft).sha256(),
         plant_settings=flown.settings,
     )
+    if isinstance(flown.scenario.controller, OwnController):
+        origin["controller_sha256"] = checksum(flown.scenario.controller.kind)
+    return origin
 
 
 def distances(flown: Mapping[Key, Flown]) -> list[dict[str, Any]]:
@@ -220,12 +233,18 @@ def draw(folder: Path, flown: Mapping[Key, Flown], title: str) -> None:
     write_overlays(folder, {key: flight.history for key, flight in flown.items() if flight.history}, context)
 
 
-def _names(option: str, text: str, known: Sequence[str]) -> list[str]:
-    """Return the names in a list with commas, each known and there once."""
+def _controllers(text: str) -> list[str | None]:
+    """Return the names in a list of controllers: pairs of laws, and one's own by name or path."""
+    own = [name for name in map(str.strip, text.split(",")) if name and (is_path(name) or is_there(name))]
+    return [*_names("--controllers", text, [*CONTROLLERS, *registered()], own)]
+
+
+def _names(option: str, text: str, known: Sequence[str], others: Sequence[str] = ()) -> list[str]:
+    """Return the names in a list with commas, each there once, and each known or among the others."""
     names = [name.strip() for name in text.split(",")]
     expected = f"a list of {', '.join(known)}, with commas, each at most once"
     for i, name in enumerate(names):
-        if name not in known:
+        if name not in known and name not in others:
             near = difflib.get_close_matches(name, known, n=1)
             remedy = f"did you mean {near[0]}?" if near else f"for example {option} {','.join(known[:2])}"
             raise InputError(f"{option} {text}", found=f"'{name}'", expected=expected, remedy=remedy)

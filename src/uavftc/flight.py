@@ -15,6 +15,7 @@ from uavftc import envelope
 from uavftc.build import Flight
 from uavftc.recorder import Recorder
 from uavftc.signals import as_records, empty_rows
+from uavftc.stage import STEP_FAILED
 
 CHUNK_ROWS = 16384  # rows held in memory, and handed on, at a time
 SLICE_ROWS = 256  # rows flown between two looks at the clock and at Ctrl-C
@@ -67,17 +68,24 @@ def fly(flight: Flight, recorders: Sequence[Recorder] = (), progress: Callable[[
                 if progress is not None:
                     progress(done + flown)
             wall_s += time.perf_counter() - started
-            # the row outside the envelope is still a true one, unless it is no number
-            keep = flown + (lost is not None and int(lost["status"]) != envelope.NOT_A_NUMBER)
+            # the row outside the envelope is still a true one, unless it is no number or has no command
+            keep = flown + (lost is not None and lost["status"] not in (envelope.NOT_A_NUMBER, STEP_FAILED))
             for recorder in recorders:
                 recorder.take(records[:keep])
             done += keep
     if lost is not None:
-        return Outcome(False, envelope.reason(flight.envelope[0], lost), float(lost["t"]), False, done, wall_s)
+        return Outcome(False, _reason(flight, lost), float(lost["t"]), False, done, wall_s)
     if done < total:
         at = max(done - 1, 0) / flight.scenario.controller.rate_hz
         return Outcome(False, f"interrupted by the user, at t = {at:.3f} s", at, True, done, wall_s)
     return Outcome(True, None, None, False, done, wall_s)
+
+
+def _reason(flight: Flight, lost: np.void) -> str:
+    """Return in words why the flight ended at this row."""
+    if flight.program.failure is not None:
+        return f"{flight.program.failure}, at t = {lost['t']:.3f} s"
+    return envelope.reason(flight.envelope[0], lost)
 
 
 @contextmanager

@@ -13,10 +13,12 @@ import numpy as np
 
 from uavftc.analysis.metrics import Metrics
 from uavftc.build import Flight, build_flight
+from uavftc.control.own_module import checksum
 from uavftc.flight import Outcome, fly
 from uavftc.recorder import ParquetRecorder, read_history
 from uavftc.report.results import ResultFolder
 from uavftc.report.summary import provenance, summary, write_json
+from uavftc.scenario.controllers import OwnController
 from uavftc.scenario.disturbances import Gust, Turbulence, Wind
 from uavftc.scenario.load import controller_name, scenario_text, warnings
 from uavftc.scenario.schema import Scenario
@@ -83,12 +85,15 @@ def fly_mission(
 
 def origin_of(flight: Flight, text: str) -> dict[str, Any]:
     """Return the provenance of a flight: versions, seed, checksums, and how the plant was set up."""
-    return provenance(
+    origin = provenance(
         seed=flight.scenario.seed,
         scenario_sha256=hashlib.sha256(text.encode()).hexdigest(),
         aircraft_sha256=flight.aircraft.sha256(),
         plant_settings=flight.plant.settings,
     )
+    if isinstance(flight.scenario.controller, OwnController):
+        origin["controller_sha256"] = checksum(flight.scenario.controller.kind)
+    return origin
 
 
 def summary_of(flight: Flight, outcome: Outcome, metrics: Metrics, origin: dict[str, Any]) -> dict[str, Any]:

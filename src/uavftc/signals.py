@@ -32,11 +32,11 @@ ROW = np.dtype(
         ("x2", "f8", _VEC),  # body rates [p, q, r], rad/s
         ("airspeed", "f8"),  # m/s, true
         ("altitude", "f8"),  # m above mean sea level
-        ("height", "f8"),  # m above the ground
         ("alpha", "f8"),  # rad
         ("beta", "f8"),  # rad
         ("throttle", "f8"),  # 0..1
         ("contact", "f8"),  # force of the ground on the vehicle, body z, N
+        ("height", "f8"),  # m above the ground
         # the vehicle as the controller is shown it
         ("x1_meas", "f8", _VEC),  # rad
         ("x2_meas", "f8", _VEC),  # rad/s

@@ -6,26 +6,24 @@ callable by address, so that any list of laws composes into one compiled call a 
 combination: a `Program` holds the addresses, one C function call a law (about 10 ns).
 
 A record reaches the law as a pointer, so nothing is copied or boxed between the laws.
+
+Between compiled blocks a `PythonBlock` may stand, a step in plain Python; the blocks between two of them stay one
+compiled call, and a program without any is one.
 """
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import hashlib
-import os
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-import platformdirs
 from llvmlite import ir
 from numba import carray, types
 from numba.extending import intrinsic
 
+from uavftc.compile_cache import compile_cache, is_compiled, outside
 from uavftc.signals import ROW
 
 NOTHING = np.dtype([("nothing", "f8")])
@@ -33,6 +31,9 @@ NOTHING = np.dtype([("nothing", "f8")])
 
 RAW = np.dtype("f8")
 """State of a law that lays out its own memory: the law gets a pointer to float64."""
+
+STEP_FAILED = -1.0
+"""Status of a row at which a step in plain Python failed; what it said is `Program.failure`."""
 
 _STATUS = ROW.fields["status"][1] // 8  # type: ignore[index]
 
@@ -72,7 +73,8 @@ class Stage:
     def address(self) -> int:
         """Address of the compiled entry, a C function `void (params*, state*, row*)`."""
         pointers = [_pointer(dtype) for dtype in (self.params, self.state, ROW)]
-        with compile_cache():
+        assert self._entry is not None
+        with compile_cache(outside(self._entry)):
             compiled = numba.cfunc(types.void(*pointers), cache=True, error_model="numpy")(self._entry)
         self._keep_alive = compiled
         return int(compiled.address)
@@ -111,14 +113,34 @@ def params_of(dtype: np.dtype, **values: object) -> np.ndarray:
     return record
 
 
-class Program:
-    """Blocks run in order on every row: one compiled call for any number of rows."""
+class StepFailed(Exception):  # noqa: N818 - it ends a flight, and says why
+    """Raised by the step of a `PythonBlock` that cannot go on; its text becomes the reason of the flight's end."""
 
-    def __init__(self, blocks: Sequence[Block]) -> None:
-        self.blocks = tuple(blocks)  # keeps the memory alive that the table points to
-        self._table = np.array(
-            [(b.stage.address, b.params.ctypes.data, b.state.ctypes.data) for b in self.blocks], dtype=np.int64
-        ).reshape(-1, 3)
+
+class PythonBlock(NamedTuple):
+    """A step in plain Python: it is given the row, shape (ROW_WIDTH,), float64, and may write into it."""
+
+    step: Callable[[np.ndarray], None]
+
+
+class Program:
+    """Blocks run in order on every row: one compiled call for any number of rows, if all of them are compiled."""
+
+    def __init__(self, blocks: Sequence[Block | PythonBlock]) -> None:
+        self.blocks = tuple(blocks)  # keeps the memory alive that the tables point to
+        self.failure: str | None = None
+        """Why a Python step failed, once one has."""
+        parts: list[list[Block] | PythonBlock] = [[]]
+        for block in self.blocks:
+            if isinstance(block, PythonBlock):
+                parts += [block, []]
+            else:
+                parts[-1].append(block)  # type: ignore[union-attr]  # always a list
+        self._table = _table(parts[0])  # type: ignore[arg-type]
+        # the steps in order, of one row each; empty where all blocks are compiled
+        self._parts = [part.step if isinstance(part, PythonBlock) else _table(part) for part in parts if part]
+        if len(parts) == 1:
+            self._parts = []
         with compile_cache():
             self._run = _compiled_run_rows()
 
@@ -127,7 +149,33 @@ class Program:
 
         Returns the index of the row at which a block set `status`, or `last`.
         """
+        if self._parts:
+            return self._run_in_parts(rows, first, last)
         return self._run(self._table, rows, first, last)
+
+    def _run_in_parts(self, rows: np.ndarray, first: int, last: int) -> int:
+        run = self._run
+        for k in range(first, last):
+            for part in self._parts:
+                if isinstance(part, np.ndarray):
+                    run(part, rows, k, k + 1)
+                    continue
+                try:
+                    part(rows[k])
+                except StepFailed as failure:  # what comes after it in the row has nothing to act on
+                    self.failure = str(failure)
+                    rows[k, _STATUS] = STEP_FAILED
+                    return k
+            if rows[k, _STATUS] != 0.0:
+                return k
+        return last
+
+
+def _table(blocks: Sequence[Block]) -> np.ndarray:
+    """Return the addresses of compiled blocks, shape (n, 3), as the kernel runs them."""
+    return np.array(
+        [(b.stage.address, b.params.ctypes.data, b.state.ctypes.data) for b in blocks], dtype=np.int64
+    ).reshape(-1, 3)
 
 
 def _pointer(dtype: np.dtype) -> Any:
@@ -166,70 +214,7 @@ def _compiled_run_rows() -> Callable[..., int]:
     return numba.njit(signature, cache=True)(_run_rows)
 
 
-# --- the cache of compiled laws --------------------------------------------------------------------------------------
-
-_COMPILED = (
-    "stage.py",
-    "signals.py",
-    "kinematics.py",
-    "linear3.py",
-    "envelope.py",
-    "control",
-    "sensors",
-    "actuators",
-    "plants",
-)
-"""Where compiled code lives. numba notices a change in the file of an entry only; the hash of all of them covers
-what the entries call."""
-
-
-@functools.cache
-def compile_cache_dir() -> Path:
-    """Return the folder of compiled laws for exactly this source, made if needed.
-
-    It lies in the user's cache (or under NUMBA_CACHE_DIR), never beside the source: an installed package may be
-    read-only. Where no such folder can be written, a private temporary one serves for this user.
-    """
-    here = Path(__file__).parent
-    digest = hashlib.sha256(numba.__version__.encode())
-    for part in _COMPILED:
-        path = here / part
-        for file in [path] if path.is_file() else sorted(path.rglob("*.py")):
-            digest.update(file.relative_to(here).as_posix().encode() + b"\0" + file.read_bytes())
-    name = digest.hexdigest()[:16]
-    override = os.environ.get("NUMBA_CACHE_DIR")
-    user = Path(override) if override else platformdirs.user_cache_path("uavftc")
-    for base in (user, Path(tempfile.gettempdir()) / f"uavftc-{os.getuid() if hasattr(os, 'getuid') else 'user'}"):
-        folder = base / name
-        with contextlib.suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            if os.access(folder, os.W_OK) and _is_ours(base) and _is_ours(folder):
-                return folder
-    return Path(tempfile.mkdtemp(prefix="uavftc-"))
-
-
-def _is_ours(folder: Path) -> bool:
-    """Whether nobody else can write there: what lies in the cache is run."""
-    if not hasattr(os, "getuid"):
-        return True
-    status = folder.stat()
-    return status.st_uid == os.getuid() and not status.st_mode & 0o022
-
-
-def is_compiled() -> bool:
-    """Whether an earlier flight has left compiled laws for this source."""
-    return any(compile_cache_dir().rglob("*.nbi"))
-
-
-@contextlib.contextmanager
-def compile_cache() -> Iterator[None]:
-    """Point numba's cache at our folder while a law is compiled; other users of numba keep theirs."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(compile_cache_dir())
-    try:
-        yield
-    finally:
-        numba.config.CACHE_DIR = before
-
-
-__all__ = ["NOTHING", "RAW", "Block", "Program", "Stage", "carray", "compile_cache", "is_compiled", "law", "params_of"]
+__all__ = [
+    "NOTHING", "RAW", "STEP_FAILED", "Block", "Program", "PythonBlock", "Stage", "StepFailed", "carray",
+    "compile_cache", "is_compiled", "law", "params_of",
+]  # fmt: skip

@@ -9,15 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from uavftc.aircraft import load_aircraft
 from uavftc.build import actuator_blocks, timing_of
 from uavftc.scenario.schema import Scenario
 from uavftc.signals import as_records, empty_rows
 from uavftc.stage import Program
 
 TRIM = np.array([0.0, -0.1, 0.05])  # rad
-HALE = load_aircraft("hale")
-STOPS = HALE.stops_rad()
+STOPS = np.radians([25.0, 25.0, 25.0])  # hale's, either side of neutral
+ABOUT_TRIM = np.column_stack([-STOPS - TRIM, STOPS - TRIM])
 LOW, HIGH = np.array([-0.05, -0.02, -np.inf]), np.array([0.1, 0.3, np.inf])
 SATURATION = {"aileron": {"min_rad": -0.05, "max_rad": 0.1}, "elevator": {"min_rad": -0.02, "max_rad": 0.3}}
 
@@ -28,7 +27,7 @@ def chain(v2, *, omega=1.0, bias=0.0, delay_s=0.0, saturation=SATURATION):
         {"name": "c", "duration_s": 1, "saturation": saturation, "controller": {"delay_s": delay_s}}
     )
     timing, whole = timing_of(scenario)
-    blocks = actuator_blocks(scenario, HALE, SimpleNamespace(surface_trim=TRIM), timing, whole)
+    blocks = actuator_blocks(scenario, SimpleNamespace(u_limits=ABOUT_TRIM), timing, whole)
     rows = empty_rows(len(v2))
     records = as_records(rows)
     records["v2"], records["effectiveness"], records["bias"] = v2, omega, bias

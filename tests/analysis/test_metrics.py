@@ -80,9 +80,7 @@ def test_trapezoid_is_exact_on_piecewise_linear_errors_and_uneven_times():
 
 
 RNG = np.random.default_rng(13)
-WHOLE = flight(
-    RNG.normal(size=(300, 3)) * np.exp(-0.05 * np.arange(300))[:, None] * 0.01, v2=RNG.normal(size=(300, 3))
-)
+WHOLE = flight(RNG.normal(size=(300, 3)) * np.exp(-0.05 * np.arange(300))[:, None] * 0.01, v2=RNG.normal(size=(300, 3)))
 
 
 @settings(deadline=None)

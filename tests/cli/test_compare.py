@@ -75,7 +75,7 @@ WRONG = {
     ),
     "a plant twice": (["scenario1", "--plants", "jsbsim,jsbsim"], ["--plants", "jsbsim twice", "jsbsim, analytic"]),
     "nothing between commas": (["scenario1", "--plants", "jsbsim,"], ["--plants", "''", "jsbsim, analytic"]),
-    "an unknown controller": (["scenario1", "--controllers", "pid"], ["--controllers pid", "'pid'", "nndondi-l1"]),
+    "an unknown controller": (["scenario1", "--controllers", "pdi"], ["--controllers pdi", "'pdi'", "nndondi-l1"]),
     "a controller twice": (["scenario1", "--controllers", "ndi-l1, ndi-l1"], ["--controllers", "ndi-l1 twice"]),
     "air on the analytic plant": (["gust"], ["rotational only", "jsbsim"]),
     "a plant by --set": (["scenario1", "--set", "plant=analytic"], ["--set plant", "analytic", "--plants"]),

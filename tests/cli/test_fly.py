@@ -143,7 +143,7 @@ WRONG = {
         ["bird.xml", "betta-rad"],
     ),
     "an unknown option": (lambda d: ["scenario3", "--fast"], ["--fast"]),
-    "an unknown controller": (lambda d: ["scenario3", "--controller", "pid"], ["pid", "nndondi-l1"]),
+    "an unknown controller": (lambda d: ["scenario3", "--controller", "pdi"], ["pdi", "nndondi-l1"]),
     "turbulence": (
         lambda d: ["scenario1", "--set", "disturbances=[{kind: turbulence}]"],
         ["turbulence is not available yet"],
@@ -190,7 +190,7 @@ def test_ctrl_c_ends_a_flight_with_what_was_flown_on_disk(tmp_path: Path) -> Non
         time.sleep(0.02)
     time.sleep(0.7)
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=60)
     assert process.returncode == 130, err
     summary = json.loads((tmp_path / "long" / "summary.json").read_text(encoding="utf-8"))
     assert summary["completed"] is False

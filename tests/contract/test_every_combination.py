@@ -46,7 +46,7 @@ def test_the_surface_is_the_fault_of_the_limited_command(plant: str, controller:
 
 
 def test_a_second_flight_is_identical_to_the_bit(plant: str, controller: str) -> None:
-    flight, records, _ = flown("scenario3", plant, controller)
+    _, records, _ = flown("scenario3", plant, controller)
     again, _ = fly_to_memory(build_flight(load_scenario("scenario3", plant=plant, controller=controller)))
     assert records.tobytes() == again.tobytes()
 

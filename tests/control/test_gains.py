@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 
+import paper
 from uavftc.build import inner_blocks
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
 from uavftc.scenario.controllers import L1Inner, MracInner

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 
+import paper
 from uavftc.build import build_flight
 from uavftc.control.inner import l1
 from uavftc.flight import fly_to_memory

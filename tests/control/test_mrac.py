@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 
+import paper
 from uavftc.build import build_flight
 from uavftc.control.inner import l1, mrac
 from uavftc.flight import fly_to_memory

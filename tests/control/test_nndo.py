@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 from scipy.integrate import solve_ivp
 
+import paper
 from uavftc.build import build_flight
 from uavftc.control.outer import nndo
 from uavftc.flight import fly_to_memory

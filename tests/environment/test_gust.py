@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
+from flying import jsbsim_plant
 from uavftc.aircraft import load_aircraft
 from uavftc.build import build_flight
 from uavftc.environment.gust import one_minus_cosine
 from uavftc.flight import fly_to_memory
-from uavftc.plants.interface import Timing
-from uavftc.plants.jsbsim.plant import JSBSimPlant
 from uavftc.scenario.schema import Scenario
 from uavftc.signals import as_records, empty_rows
 from uavftc.stage import Program
@@ -58,14 +57,9 @@ def test_rise_is_the_printed_cosine():
     np.testing.assert_allclose(profile, np.sin(np.pi * tau / 3.2) ** 2, atol=1e-12)
 
 
-def _hale_plant():
-    air = {"wind_n": np.zeros(3), "has_wind": False, "has_moment": False}
-    return JSBSimPlant(load_aircraft("hale"), Timing(0.005, 1, 0.0), airspeed=30.0, altitude=1000.0, **air)
-
-
 def jsbsims_gust(start, ramp, hold, velocity, seconds):
     """Fly hale hands off through JSBSim's own cosine gust; return the total wind, m/s, at each row, and the rows."""
-    plant = _hale_plant()
+    plant = jsbsim_plant(load_aircraft("hale"))
     fdm = plant.fdm
     speed = np.linalg.norm(velocity)
     settings = {
@@ -110,8 +104,7 @@ def test_flies_like_jsbsims_cosine_gust():
     # Given the gust as rows of wind, the aircraft answers as to JSBSim's own: airspeed, sideslip and bank within what
     # one frame of the profile amounts to.
     _, theirs = jsbsims_gust(START, RAMP, HOLD, VELOCITY, 8.0)
-    air = {"wind_n": np.zeros(3), "has_wind": True, "has_moment": False}
-    plant = JSBSimPlant(load_aircraft("hale"), Timing(0.005, 1, 0.0), airspeed=30.0, altitude=1000.0, **air)
+    plant = jsbsim_plant(load_aircraft("hale"), has_wind=True)
     rows = empty_rows(len(theirs))
     t = np.arange(len(rows)) / 200.0
     as_records(rows)["wind_n"] = one_minus_cosine(t, start=START, ramp=RAMP, hold=HOLD)[:, None] * VELOCITY

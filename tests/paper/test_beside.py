@@ -33,7 +33,9 @@ def test_the_print_is_carried_whole() -> None:
     assert len(printed.tables()) == 6 * 3 * 8
     assert {p.table for p in printed.tables()} == {2, 3, 5}
     assert sum(p.value is None for p in printed.tables()) == 5  # the dashes
-    known = {(p.table, p.controller, p.axis, p.metric): p.value for p in printed.tables() if p.saturation == "saturated"}
+    known = {
+        (p.table, p.controller, p.axis, p.metric): p.value for p in printed.tables() if p.saturation == "saturated"
+    }
     assert known[2, "nndondi-l1", "roll", "iae"] == 0.1684
     assert known[3, "ndi-l1", "pitch", "itse"] == 0.0206
     assert known[5, "nndondi-mrac", "yaw", "itae"] == 1.276

@@ -1,24 +1,13 @@
-"""Aircraft folders in a temporary place, and a probe that leaves the user's cache alone."""
+"""Aircraft folders in a temporary place, and JSBSim plants of them."""
 
 from __future__ import annotations
 
 import shutil
-from types import SimpleNamespace
 
 import pytest
 
 from uavftc.aircraft import load_aircraft
-from uavftc.plants.jsbsim import probe
 from uavftc.resources import aircraft_dir
-
-
-@pytest.fixture(scope="session", autouse=True)
-def own_cache(tmp_path_factory):
-    """Let the probe remember what has loaded in a folder of this session; return it."""
-    cache = tmp_path_factory.mktemp("cache")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(probe, "platformdirs", SimpleNamespace(user_cache_path=lambda _name: cache))
-        yield cache
 
 
 @pytest.fixture(scope="session")

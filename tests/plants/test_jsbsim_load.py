@@ -7,6 +7,7 @@ must load; so a check that refused everything would fail here too.
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
 
@@ -14,26 +15,38 @@ import jsbsim
 import numpy as np
 import pytest
 
+from flying import jsbsim_plant
 from uavftc.aircraft import load_aircraft
 from uavftc.errors import InputError
-from uavftc.plants.interface import Timing
-from uavftc.plants.jsbsim import probe
+from uavftc.plants.jsbsim import model
 from uavftc.plants.jsbsim.load import load
-from uavftc.plants.jsbsim.plant import JSBSimPlant
 from uavftc.signals import as_records, empty_rows
 from uavftc.stage import Program
 
 
 def make(folder):
-    """Load an aircraft as a flight does: companion, probe in a child process, load, trim."""
-    aircraft = load_aircraft(str(folder))
-    probe.ensure_loads(aircraft)
-    return plant_of(aircraft)
+    """Load an aircraft as a flight does: companion, trimmed model from a child process, load."""
+    return jsbsim_plant(load_aircraft(str(folder)), has_moment=True)
 
 
-def plant_of(aircraft):
-    still = {"airspeed": 30.0, "altitude": 1000.0, "wind_n": np.zeros(3)}
-    return JSBSimPlant(aircraft, Timing(0.005, 1, 0.0), **still, has_wind=False, has_moment=True)
+def measured(aircraft):
+    return model.trimmed_model(aircraft, 30.0, 1000.0)
+
+
+def kept(aircraft):
+    """Return the files that remember this aircraft's trimmed models."""
+    return list(model.cache_dir().glob(f"{aircraft.sha256()[:32]}-*"))
+
+
+@pytest.fixture
+def no_child(monkeypatch):
+    """Let a child process be an error, and nothing be known from within this process."""
+
+    def child(*_args, **_options):
+        raise AssertionError("a child process was started")
+
+    monkeypatch.setattr(subprocess, "run", child)
+    model._cached.cache_clear()
 
 
 def line_of(folder, file, text):
@@ -129,33 +142,62 @@ def test_a_typing_error_is_told_with_its_place(name, edited):
     assert error.value.remedy
 
 
-def test_hale_loads_and_the_probe_remembers_it(hale, own_cache, monkeypatch):
-    # A good aircraft passes, and its second probe starts no child process: a flight must not pay for one each time.
-    probe.ensure_loads(hale)
-    assert len(list((own_cache / "aircraft").glob(f"{hale.sha256()}-*"))) == 1
-
-    def no_child(*_args, **_options):
-        raise AssertionError("the probe started a child process again")
-
-    monkeypatch.setattr(subprocess, "run", no_child)
-    probe.ensure_loads(hale)
+def test_hale_loads_and_is_remembered(hale, own_cache, request):
+    # A good aircraft passes, and the next process starts no child: a flight must not pay for one each time.
+    first = measured(hale)
+    assert own_cache in model.cache_dir().parents
+    assert len(kept(hale)) >= 1
+    request.getfixturevalue("no_child")
+    assert measured(hale) == first
 
 
-def test_a_changed_engine_file_is_probed_again(edited):
-    # The mark is the checksum of all files: a change in an engine file makes another aircraft of it.
+def test_a_changed_engine_file_is_measured_again(edited, no_child):
+    # What is kept goes by the checksum of all files: a change in an engine file makes another aircraft of it.
     folder = edited("engine/hale_motor.xml", ("25000", "26000"))
     changed = load_aircraft(str(folder))
     assert changed.sha256() != load_aircraft("hale").sha256()
-    assert not probe._mark(changed).is_file()
+    assert not kept(changed)
+    with pytest.raises(AssertionError, match="child process was started"):
+        measured(changed)
 
 
-def test_a_crash_is_not_remembered_as_a_success(edited):
-    # What aborted once must be refused at the second try as well.
+def test_a_crash_is_not_remembered(edited):
+    # What aborted once must be refused at the second try as well, and be tried again once JSBSim is another.
     folder = edited("hale.xml", ("<property>aero/beta-rad</property>", "<property>aero/bata-rad</property>"))
     aircraft = load_aircraft(str(folder))
     for _ in range(2):
         with pytest.raises(InputError, match="SIGABRT"):
-            probe.ensure_loads(aircraft)
+            measured(aircraft)
+    assert not kept(aircraft)
+
+
+def test_what_does_not_load_is_told_with_its_own_path(edited, tmp_path):
+    # Two folders with the same mistake have the same checksum: what was told of the one must not be told of the other.
+    folder = edited("hale.xml", ("emptywt", "emptywgt"))
+    other = tmp_path / "other" / "hale"
+    shutil.copytree(folder, other)
+    for place in (folder, other):
+        with pytest.raises(InputError, match=re.escape(str(place / "hale.xml"))):
+            measured(load_aircraft(str(place)))
+
+
+def test_a_condition_without_a_trim_is_remembered(hale, request):
+    # Finding no trim takes longer than finding one; the second refusal says the same without another search.
+    def refusal():
+        with pytest.raises(InputError, match="trim at 3 m/s") as error:
+            model.trimmed_model(hale, 3.0, 1000.0)
+        return str(error.value)
+
+    first = refusal()
+    request.getfixturevalue("no_child")
+    assert refusal() == first
+
+
+def test_a_child_that_does_not_end_is_told(hale, monkeypatch):
+    # An aircraft at which JSBSim hangs must not hang the command line.
+    monkeypatch.setattr(model, "TIMEOUT_S", 0.01)
+    with pytest.raises(InputError, match=re.escape("does not finish loading and trimming it within 0.01 s")):
+        model.trimmed_model(hale, 29.0, 1000.0)
 
 
 def test_a_folder_without_its_files_is_told(edited):
@@ -179,7 +221,7 @@ def test_every_flight_has_a_fresh_executive(hale, monkeypatch):
             return super().load_model(*args)
 
     monkeypatch.setattr(jsbsim, "FGFDMExec", Counting)
-    plants = [plant_of(hale) for _ in range(3)]
+    plants = [jsbsim_plant(hale, has_moment=True) for _ in range(3)]
     assert len(made) >= len(plants)
     assert {loads for _, loads in made} == {1}
     assert len({id(plant.fdm) for plant in plants}) == 3
@@ -188,7 +230,7 @@ def test_every_flight_has_a_fresh_executive(hale, monkeypatch):
 def test_flights_in_one_process_do_not_disturb_each_other(hale):
     # Given a flight that was pushed by d2, when another starts after it and in step with it, it is as if alone.
     def fly(pushed):
-        plant = plant_of(hale)
+        plant = jsbsim_plant(hale, has_moment=True)
         rows = empty_rows(200)
         as_records(rows)["d2"] = (0.3, 0.1, 0.2) if pushed else 0.0
         return plant, Program([*plant.before(), *plant.after()]), rows
@@ -234,6 +276,6 @@ print("main thread loads")
 
 def test_nothing_is_printed(hale, capfd):
     # JSBSim writes a page on every load by default; a user's console shows none of it.
-    plant_of(hale)
+    jsbsim_plant(hale, has_moment=True)
     out, err = capfd.readouterr()
     assert out == err == ""

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from closed_form import FreeRotation, angle_between, from_euler
 
+from flying import jsbsim_plant
 from uavftc.aircraft import load_aircraft
 from uavftc.build import build_flight
-from uavftc.errors import InputError
 from uavftc.flight import fly_to_memory
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import bridge
 from uavftc.plants.jsbsim.load import load
-from uavftc.plants.jsbsim.plant import INTEGRATORS, JSBSimPlant
+from uavftc.plants.jsbsim.plant import INTEGRATORS
 from uavftc.plants.jsbsim.trim import freeze
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
@@ -26,11 +26,6 @@ POSITIONS = ("fcs/left-aileron-pos-rad", "fcs/elevator-pos-rad", "fcs/rudder-pos
 COMMANDS = ("fcs/aileron-cmd-norm", "fcs/elevator-cmd-norm", "fcs/rudder-cmd-norm")
 
 
-def plant_at(hale, timing=None, **options):
-    given = {"airspeed": 30.0, "altitude": 1000.0, "wind_n": np.zeros(3), "has_wind": False, "has_moment": False}
-    return JSBSimPlant(hale, timing or Timing(0.005, 1, 0.0), **(given | options))
-
-
 def bare(plant):
     """Return the program of a plant without a controller: the rows' own u2, d2 and wind fly it."""
     return Program([*plant.before(), *plant.after()])
@@ -38,7 +33,7 @@ def bare(plant):
 
 def test_rows_are_in_si(hale):
     # After 2 s of a disturbed flight, by now left of north, the row holds JSBSim's state in SI.
-    plant = plant_at(hale, has_moment=True)
+    plant = jsbsim_plant(hale, has_moment=True)
     rows = empty_rows(402)
     records = as_records(rows)
     records["d2"] = 0.02, 0.01, -0.01
@@ -65,7 +60,7 @@ def test_rows_are_in_si(hale):
 @pytest.mark.parametrize("surface", [0, 1, 2])
 def test_a_command_moves_the_surface_one_frame_later_and_the_rates_two(hale, surface):
     # Given a step in row 3, the surface stands at t_4, the rates move at t_5, the attitude at t_6 at the latest.
-    plant = plant_at(hale)
+    plant = jsbsim_plant(hale)
     rows = empty_rows(10)
     records = as_records(rows)
     records["u2"][3:, surface] = records["u2_late"][3:, surface] = 0.01
@@ -74,7 +69,7 @@ def test_a_command_moves_the_surface_one_frame_later_and_the_rates_two(hale, sur
     for k in range(10):
         position.append(plant.fdm[POSITIONS[surface]])  # at t_k, before row k is flown
         plant.run(program, rows, k, k + 1)
-    moved = np.array(position) - plant.surface_trim[surface]
+    moved = np.array(position) - plant.trim.surfaces[surface]
     np.testing.assert_allclose(moved, np.where(np.arange(10) >= 4, 0.01, 0.0), atol=1e-14)
     rate = np.abs(records["x2"][:, surface])
     assert np.all(rate[:5] < 1e-9)
@@ -87,7 +82,7 @@ def test_a_command_moves_the_surface_one_frame_later_and_the_rates_two(hale, sur
 def test_a_small_deflection_gives_the_papers_acceleration(hale):
     # One frame after each command the body accelerations are B_m u: size, sign and unit (rad) of every surface at once.
     u2 = np.array([0.01, -0.02, 0.015])
-    plant = plant_at(hale)
+    plant = jsbsim_plant(hale)
     rows = empty_rows(1)
     as_records(rows)["u2"] = as_records(rows)["u2_late"] = u2
     plant.run(bare(plant), rows, 0, 1)
@@ -97,7 +92,7 @@ def test_a_small_deflection_gives_the_papers_acceleration(hale):
 @pytest.mark.parametrize("d2", [(0.3, 0.0, 0.0), (0.0, -0.2, 0.0), (0.0, 0.0, 0.1), (0.05, 0.1, -0.2)])
 def test_d2_is_exactly_an_angular_acceleration(hale, d2):
     # From rest the vehicle accelerates by d2 itself, no other axis by anything: the moment is J d2, products included.
-    plant = plant_at(hale, has_moment=True)
+    plant = jsbsim_plant(hale, has_moment=True)
     rows = empty_rows(1)
     as_records(rows)["d2"] = d2
     plant.run(bare(plant), rows, 0, 1)
@@ -106,7 +101,7 @@ def test_d2_is_exactly_an_angular_acceleration(hale, d2):
 
 def test_d2_ends_with_its_window(hale):
     # A moment stays in JSBSim until it is overwritten: the frame after the window has J d2 no more.
-    plant = plant_at(hale, has_moment=True)
+    plant = jsbsim_plant(hale, has_moment=True)
     rows = empty_rows(3)
     as_records(rows)["d2"][:1] = 0.01, 0.0, 0.0
     program = bare(plant)
@@ -117,14 +112,6 @@ def test_d2_ends_with_its_window(hale):
         yawing.append(plant.fdm["moments/n-external-lbsft"] * SLUGFT2)
     np.testing.assert_allclose(rolling, [527.23, 0.0, 0.0], rtol=1e-12)
     np.testing.assert_allclose(yawing, [-84.35, 0.0, 0.0], rtol=1e-12)
-
-
-def test_d2_without_a_moment_input_is_refused(hale):
-    # An aircraft that cannot be pushed must say so; a silent flight without the disturbance would look like a success.
-    copy = hale.model_copy(update={"disturbance_moment": None})
-    copy._folder = hale.folder
-    with pytest.raises(InputError, match="disturbance_moment"):
-        plant_at(copy, has_moment=True)
 
 
 def test_heading_is_continuous_through_whole_turns():
@@ -159,13 +146,13 @@ def test_heading_is_continuous_in_flight(turn):
 def test_a_partial_delay_conserves_the_mean_deflection(hale, switch, substeps):
     # Over a sample the surface commands sum up to switch * u2 + (1 - switch) * u2_late, whatever the frames are,
     # and at most one frame a sample holds a mixture.
-    plant = plant_at(hale, Timing(0.01, substeps, switch))
+    plant = jsbsim_plant(hale, Timing(0.01, substeps, switch))
     plant.fdm = recorder = _Recorder(plant.fdm)
     rows = empty_rows(1)
     early, late = np.array([0.03, -0.02, 0.01]), np.array([-0.01, 0.04, 0.02])
     as_records(rows)["u2"], as_records(rows)["u2_late"] = early, late
     plant.run(bare(plant), rows, 0, 1)
-    flown = np.array(recorder.seen) - plant.surface_trim
+    flown = np.array(recorder.seen) - plant.trim.surfaces
     assert len(flown) == substeps
     np.testing.assert_allclose(flown.mean(axis=0), switch * early + (1.0 - switch) * late, atol=1e-15)
     pure = [np.allclose(u, early) or np.allclose(u, late) for u in flown]
@@ -174,17 +161,17 @@ def test_a_partial_delay_conserves_the_mean_deflection(hale, switch, substeps):
 
 def test_without_a_delay_only_the_present_command_is_flown(hale):
     # switch = 0: the earlier command has no share in any frame.
-    plant = plant_at(hale, Timing(0.01, 2, 0.0))
+    plant = jsbsim_plant(hale, Timing(0.01, 2, 0.0))
     plant.fdm = recorder = _Recorder(plant.fdm)
     rows = empty_rows(1)
     as_records(rows)["u2"], as_records(rows)["u2_late"] = 0.3, 0.02
     plant.run(bare(plant), rows, 0, 1)
-    np.testing.assert_allclose(np.array(recorder.seen) - plant.surface_trim, 0.02, atol=1e-15)
+    np.testing.assert_allclose(np.array(recorder.seen) - plant.trim.surfaces, 0.02, atol=1e-15)
 
 
 def test_wind_reaches_the_aircraft_in_si(hale):
     # The row's wind, m/s north-east-down, is the total wind that JSBSim flies in, ft/s.
-    plant = plant_at(hale, wind_n=np.zeros(3), has_wind=True)
+    plant = jsbsim_plant(hale, wind_n=np.zeros(3), has_wind=True)
     rows = empty_rows(2)
     as_records(rows)["wind_n"] = 3.0, -4.0, 1.5
     plant.run(bare(plant), rows, 0, 2)
@@ -300,7 +287,7 @@ def test_integrators_converge_faster_than_first_order(brick):
 
 def test_settings_record_step_and_integrators(hale):
     # The results must say how they were integrated; the values are read back from JSBSim itself.
-    plant = plant_at(hale, Timing(0.01, 2, 0.0))
+    plant = jsbsim_plant(hale, Timing(0.01, 2, 0.0))
     assert plant.settings["step_s"] == plant.fdm.get_delta_t() == 0.005
     for name, code in plant.settings["integrators"].items():
         assert plant.fdm[f"simulation/integrator/{name}"] == code

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from flying import jsbsim_plant
 from uavftc.errors import InputError
-from uavftc.plants.interface import Timing
-from uavftc.plants.jsbsim.linearise import control_matrix
 from uavftc.plants.jsbsim.load import load, mass_properties
-from uavftc.plants.jsbsim.plant import JSBSimPlant, initialised
-from uavftc.plants.jsbsim.trim import trim_level
+from uavftc.plants.jsbsim.model import trimmed_model
 from uavftc.signals import as_records, empty_rows
 from uavftc.stage import Program
 
@@ -56,8 +54,7 @@ def level_flight(airspeed, altitude):
 
 def plant_at(hale, airspeed=30.0, altitude=1000.0, wind_n=(0.0, 0.0, 0.0)):
     wind = np.array(wind_n)
-    start = {"airspeed": airspeed, "altitude": altitude, "wind_n": wind}
-    return JSBSimPlant(hale, Timing(0.005, 1, 0.0), **start, has_wind=bool(wind.any()), has_moment=False)
+    return jsbsim_plant(hale, airspeed=airspeed, altitude=altitude, wind_n=wind, has_wind=bool(wind.any()))
 
 
 def hands_off(plant, seconds, wind_n=(0.0, 0.0, 0.0)):
@@ -99,27 +96,25 @@ def test_level_trim_leaves_no_acceleration(hale):
 
 def test_trim_is_alpha_zero_at_the_papers_condition(hale):
     # CL_0 was chosen so that alpha = theta = 0 is the level trim; throttle is the README's 0.29099.
-    trim = trim_level(initialised(hale, 0.005), hale, 30.0, 1000.0)
-    assert trim.alpha == pytest.approx(0.0, abs=1e-6)
-    assert trim.elevator == pytest.approx(0.0, abs=1e-6)
-    assert trim.throttle == pytest.approx(0.29099, abs=1e-5)
+    trim = trimmed_model(hale, 30.0, 1000.0).trim
+    assert trim["alpha"] == pytest.approx(0.0, abs=1e-6)
+    assert trim["surfaces"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
+    assert trim["throttle"] == pytest.approx(0.29099, abs=1e-5)
 
 
 def test_control_matrix_at_trim_is_the_papers(hale):
     # The aircraft was derived from B_m: central differences on the loaded aircraft must give it back.
-    fdm = initialised(hale, 0.005)
-    trim_level(fdm, hale, 30.0, 1000.0)
-    np.testing.assert_allclose(control_matrix(fdm, hale), B_M, rtol=1e-3, atol=1e-3)
+    np.testing.assert_allclose(trimmed_model(hale, 30.0, 1000.0).B_rates, B_M, rtol=1e-3, atol=1e-3)
 
 
 @pytest.mark.parametrize(("airspeed", "altitude"), [(25.0, 1000.0), (35.0, 500.0), (40.0, 2000.0), (30.0, 8000.0)])
 class TestOtherConditions:
     def test_trim_is_that_of_the_published_coefficients(self, hale, airspeed, altitude):
         # Lift = weight and Cm = 0, solved here from the README's table, ISA density and the planet's gravity.
-        trim = trim_level(initialised(hale, 0.005), hale, airspeed, altitude)
+        trim = trimmed_model(hale, airspeed, altitude).trim
         alpha, elevator, _ = level_flight(airspeed, altitude)
-        assert trim.alpha == pytest.approx(alpha, abs=1e-6)
-        assert trim.elevator == pytest.approx(elevator, abs=1e-6)
+        assert trim["alpha"] == pytest.approx(alpha, abs=1e-6)
+        assert trim["surfaces"] == pytest.approx([0.0, elevator, 0.0], abs=1e-6)
 
     def test_thrust_is_the_drag_of_the_published_polar(self, hale, airspeed, altitude):
         # The throttle found must make the propellers pull D / cos(alpha) in JSBSim.
@@ -191,7 +186,7 @@ def test_no_trim_where_the_power_does_not_suffice(hale, airspeed):
 
 def test_no_trim_where_the_wing_does_not_carry(hale):
     # At 3 m/s the elevator at its stop of 0.436 rad holds alpha = 0.6 rad: lift and all thrust cannot carry the weight.
-    alpha = hale.stops_rad()[1] * CM_DE / -CM_ALPHA
+    alpha = hale.command_limits()[1] * CM_DE / -CM_ALPHA
     lift = 0.5 * density(1000.0) * 3.0**2 * WING * (CL_0 + CL_ALPHA * alpha)
     disc = 2.0 * 3.1416 * 1.0**2  # of both propellers, m^2
     most_thrust = (2.0 * density(1000.0) * disc * SHAFT_POWER**2) ** (1.0 / 3.0)  # momentum theory, at rest

@@ -89,7 +89,9 @@ def test_colour_tells_how_near_but_is_not_needed(monkeypatch):
 
 def test_a_lost_vehicle_gets_time_and_reason_and_no_convergence_verdict():
     axes = {a: ROLL | {"steady_state_error_deg": None, "convergence_time_s": None} for a in ("roll", "pitch", "yaw")}
-    text = printed(document(completed=False, ended_because="ground contact, at t = 8.345 s", ended_at_s=8.345, axes=axes))
+    text = printed(
+        document(completed=False, ended_because="ground contact, at t = 8.345 s", ended_at_s=8.345, axes=axes)
+    )
     assert "lost: ground contact, at t = 8.345 s" in text
     assert row(text, "convergence time [s]") == ["-"] * 3  # the flight has no end to be within
     assert row(text, "steady-state error [deg]") == ["-"] * 3

@@ -127,8 +127,8 @@ def test_controller_on_a_file_without_the_section(load):
 
 
 def test_unknown_controllers_are_told_the_known(refused):
-    message = str(refused(controller="pid"))
-    assert message.startswith("--controller pid")
+    message = str(refused(controller="pdi"))
+    assert message.startswith("--controller pdi")
     for name in NAMES:
         assert name in message
 

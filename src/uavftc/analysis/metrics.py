@@ -61,10 +61,8 @@ class Metrics:
         Of a flight that was lost (`completed` false) the steady-state error and the convergence time are None.
         What has no finite value is None.
         """
-        if self._last is None:
-            error = np.full(3, math.nan)
-        else:
-            error = np.degrees(np.abs(attitude_error(self._last)))[0]
+        last = self._last
+        error = np.full(3, math.nan) if last is None else np.degrees(np.abs(attitude_error(last)))[0]
         result: dict[str, dict[str, float | None]] = {}
         for i, axis in enumerate(AXES):
             values: dict[str, float | None] = {

@@ -21,7 +21,9 @@ def compare(
     plants: Annotated[str, typer.Option(metavar="LIST", help="Plants, with commas.")] = "jsbsim,analytic",
     controllers: Annotated[
         Optional[str],  # noqa: UP045
-        typer.Option(metavar="LIST", help="Controllers, with commas (nndondi-l1,ndi-l1); default the scenario's own."),
+        typer.Option(
+            metavar="LIST", help="Controllers, with commas (nndondi-l1,pid,./my.py); default: the scenario's."
+        ),
     ] = None,
     aircraft: Annotated[
         Optional[str],  # noqa: UP045

@@ -27,7 +27,7 @@ def fly(
     ] = None,
     controller: Annotated[
         Optional[str],  # noqa: UP045
-        typer.Option(help="nndondi-l1, ndi-l1, nndondi-mrac or ndi-mrac."),
+        typer.Option(help="nndondi-l1, ndi-l1, nndondi-mrac, ndi-mrac; pid, lqi; or your own: ./file.py, pkg.module."),
     ] = None,
     overrides: Annotated[
         Optional[list[str]],  # noqa: UP045

@@ -19,7 +19,7 @@ from uavftc.build import Flight, build_flight, inner_blocks
 from uavftc.control.gains import reference_gain
 from uavftc.errors import InputError
 from uavftc.flight import fly_to_memory
-from uavftc.scenario.controllers import L1Inner, MracInner
+from uavftc.scenario.controllers import Controller, L1Inner, MracInner
 from uavftc.scenario.schema import Scenario
 
 SAMPLED = (
@@ -36,7 +36,7 @@ def flight_document(scenario: Scenario) -> dict[str, Any]:
     InputError
         If the flight cannot be built, or its inner loop is not L1.
     """
-    l1_of(scenario.controller.inner, scenario)
+    l1_of(inner_of(scenario), scenario)
     flight = build_flight(scenario)
     flights = [_flown(flight)]
     if scenario.plant != "analytic" and not flight.inputs.has_wind:
@@ -48,7 +48,7 @@ def _flown(flight: Flight) -> dict[str, Any]:
     records, outcome = fly_to_memory(flight)
     if outcome.interrupted:
         raise KeyboardInterrupt
-    inner, h = flight.scenario.controller.inner, 1.0 / flight.scenario.controller.rate_hz
+    inner, h = l1_of(inner_of(flight.scenario), flight.scenario), 1.0 / flight.scenario.controller.rate_hz
     (block,) = inner_blocks(inner, h, float(flight.plant.x1_trim[2]))
     state = replay(block, records)
     result = {
@@ -75,8 +75,7 @@ def _flown(flight: Flight) -> dict[str, Any]:
 
 def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: dict[str, Any]) -> dict[str, Any]:
     """Return the reference system, printed and with A_m, beside a flight on the analytic plant."""
-    inner, model = flight.scenario.controller.inner, flight.aircraft.analytic
-    assert isinstance(inner, L1Inner)
+    inner, model = l1_of(inner_of(flight.scenario), flight.scenario), flight.aircraft.analytic
     A_m, B_m, k = np.array(inner.A_m), np.array(inner.B_m), inner.filter_bandwidth
     A_s = A_m + np.array(inner.K_1)
     K_2 = reference_gain(A_s, B_m)
@@ -120,13 +119,18 @@ def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: 
     return {"reference_system": systems, "bounds": limits, "reason": reason}
 
 
-def l1_of(inner: L1Inner | MracInner, scenario: Scenario | None) -> L1Inner:
+def inner_of(scenario: Scenario) -> L1Inner | MracInner | None:
+    """Return the inner loop of a scenario's controller, None of one that is a module of one's own."""
+    return scenario.controller.inner if isinstance(scenario.controller, Controller) else None
+
+
+def l1_of(inner: L1Inner | MracInner | None, scenario: Scenario | None) -> L1Inner:
     """Return the inner loop, or refuse one that is not L1 with an `InputError`."""
     if isinstance(inner, L1Inner):
         return inner
     raise InputError(
         f"{'' if scenario is None else scenario.name}, key controller.inner.kind",
-        found="mrac, which has no filter C(s)",
+        found="an own controller, which has none" if inner is None else "mrac, which has no filter C(s)",
         expected="l1",
         remedy="give a scenario with controller.inner.kind: l1, or none",
     )

@@ -14,7 +14,7 @@ import numpy as np
 from uavftc.aircraft import Aircraft, load_aircraft
 from uavftc.analysis.l1_condition import ACCURACY, Given, Norms, condition_33, norms_of, theorem_2, theorem_3
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
-from uavftc.design.beside import flight_document, l1_of
+from uavftc.design.beside import flight_document, inner_of, l1_of
 from uavftc.errors import InputError
 from uavftc.scenario.controllers import L1Inner
 from uavftc.scenario.schema import Scenario
@@ -62,8 +62,8 @@ def design_document(
     given = given or Given()
     source = scenario or flight
     aircraft = load_aircraft(aircraft_name, "AIRCRAFT")
-    inner = l1_of(L1Inner() if source is None else source.controller.inner, source)
-    if scenario is not None and flight is not None and flight.controller.inner != inner:
+    inner = l1_of(L1Inner() if source is None else inner_of(source), source)
+    if scenario is not None and flight is not None and inner_of(flight) != inner:
         raise InputError(
             f"--flight {flight.name}",
             found=f"another inner loop than that of --scenario {scenario.name}",

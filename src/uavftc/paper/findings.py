@@ -174,8 +174,8 @@ def printed_gain(flights: Flights, plant: str) -> Finding:
         plant,
         "The printed K_2 cannot have been flown",
         "K_2 = B_m^-1 A_s is the gain of a plant with A_s, and eq. (27) has A_m: even with the sign that makes it "
-        "follow, the rates settle at A_m^-1 A_s r, which gives pitch 42 % of its command. Its score over the 48 figures "
-        f"is {score(all_rows):.3f}, against {score(rows_of(plant, paper)):.3f} with K = B_m^-1 A_m, the default.",
+        "follow, the rates settle at A_m^-1 A_s r, which gives pitch 42 % of its command. Its score over the 48 "
+        f"figures is {score(all_rows):.3f}, against {score(rows_of(plant, paper)):.3f} with K = B_m^-1 A_m, the default.",
         ("scenario", "axis", "IAE printed", "IAE, K of A_m", "IAE, printed K_2"),
         rows,
         f"uavftc-fly scenario2 --plant {plant} --set controller.inner.reference_gain=printed",
@@ -240,7 +240,8 @@ def saturation(flights: Flights, plant: str) -> Finding:
         "saturation",
         plant,
         "What saturation does in scenario 1",
-        f"The limits of -0.05 and +0.1 rad {said}. The printed halves differ by up to {100 * apart:.0f} % in an integral.",
+        f"The limits of -0.05 and +0.1 rad {said}. The printed halves differ by up to "
+        f"{100 * apart:.0f} % in an integral.",
         ("surface", "least command [rad]", "largest command [rad]"),
         rows,
         f"uavftc-fly scenario1-unsaturated --plant {plant}",

@@ -151,7 +151,8 @@ def page(
         for plant in plants:
             mine = [c for c in claims[plant] if c.improvement.table == number + 1]
             parts += [
-                f"On the {plant} plant: NNDONDI-L1 lower than the other, by how many percent. {claims_summary(mine)}.\n",
+                f"On the {plant} plant: NNDONDI-L1 lower than the other, by how many percent. "
+                f"{claims_summary(mine)}.\n",
                 claims_table(claims[plant], number + 1),
             ]
     parts.append("## Findings\n")

@@ -109,7 +109,7 @@ def stage(p, s, row):
 
 
 class AnalyticPlant:
-    """The model as a plant; it starts at zero attitude and rates and needs no trim.
+    """The model as a plant; it starts at the attitude of the trim and at zero rates, which is a trim of its own.
 
     Parameters
     ----------
@@ -119,16 +119,28 @@ class AnalyticPlant:
         Linear pair, shape (3, 3), 1/s and 1/s^2.
     timing
         Sample time and substeps.
+    x1_trim, u_limits
+        Attitude at trim, shape (3,), rad, and the mechanical stops about trim, shape (3, 2), rad.
     """
 
-    def __init__(self, inertia: np.ndarray, A_l: np.ndarray, B_m: np.ndarray, timing: Timing) -> None:
-        self.x1_trim = np.zeros(3)
-        self.surface_trim = np.zeros(3)
+    def __init__(
+        self,
+        inertia: np.ndarray,
+        A_l: np.ndarray,
+        B_m: np.ndarray,
+        timing: Timing,
+        *,
+        x1_trim: np.ndarray | None = None,
+        u_limits: np.ndarray | None = None,
+    ) -> None:
+        self.x1_trim = np.zeros(3) if x1_trim is None else x1_trim
+        self.u_limits = np.array([[-np.inf, np.inf]] * 3) if u_limits is None else u_limits
         self.settings: dict[str, Any] = {
             "integrator": "Runge-Kutta 4",
             "step_s": timing.h / timing.substeps,
         }
         self._state = np.zeros(1, STATE)
+        self._state["x1"] = self.x1_trim
         self._params = params_of(
             PARAMS,
             h=timing.h,

@@ -26,8 +26,8 @@ class Plant(Protocol):
     x1_trim: np.ndarray
     """Attitude of the trim, shape (3,), rad: references and the heading of the networks count from here."""
 
-    surface_trim: np.ndarray
-    """Deflections at trim, shape (3,), rad."""
+    u_limits: np.ndarray
+    """Mechanical stops: least and greatest deflection about trim, shape (3, 2), rad."""
 
     settings: dict[str, Any]
     """How it is integrated and started; recorded with the results."""

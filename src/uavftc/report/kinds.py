@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple, get_args
@@ -62,14 +63,27 @@ def kind_of(folder: Path) -> Kind:
     return max(KINDS, key=lambda kind: sum(os.path.lexists(folder / name) for name in kind.files))
 
 
+def files_of(folder: Path, kind: Kind) -> frozenset[str]:
+    """Return every file that this folder may hold: a comparison may have the histories of its own controllers too.
+
+    Their names stand in its summary; only such as `controller_name` gives count.
+    """
+    if kind is not COMPARISON or not is_ours(folder):
+        return kind.files
+    named = json.loads((folder / "summary.json").read_text(encoding="utf-8")).get("controllers")
+    names = named if isinstance(named, list) else []
+    own = [name for name in names if isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,103}", name)]
+    return kind.files | {f"histories/{plant}-{name}.parquet" for plant in PLANTS for name in own}
+
+
 def foreign_entry(folder: Path, kind: Kind) -> str | None:
     """Return the path inside `folder` of something that is not of this kind, or None; a symbolic link never is."""
-    folders_of_kind = kind.folders
+    files_of_kind, folders_of_kind = files_of(folder, kind), kind.folders
     for root, folders, files in os.walk(folder):
         inside = os.path.relpath(root, folder)
         for name in sorted([*folders, *files]):
             path = name if inside == "." else f"{inside}/{name}".replace(os.sep, "/")
-            known = path in (folders_of_kind if name in folders else kind.files)
+            known = path in (folders_of_kind if name in folders else files_of_kind)
             if not known or os.path.islink(os.path.join(root, name)):
                 return path
     return None
@@ -86,7 +100,7 @@ def is_ours(folder: Path) -> bool:
 
 def remove_ours(folder: Path, kind: Kind) -> None:
     """Remove the files of this kind and then the folders, which stay if anything else is in them."""
-    for name in kind.files:
+    for name in files_of(folder, kind):
         with suppress(OSError):
             (folder / name).unlink()
     for name in [*sorted(kind.folders, reverse=True), ""]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from uavftc.scenario.controllers import Controller
 from uavftc.scenario.disturbances import AIR, AttitudeRate, Gust, Window
 from uavftc.scenario.matrices import is_hurwitz
 from uavftc.scenario.values import Problem, Signal, key_text
@@ -44,7 +45,7 @@ def warnings(scenario: Scenario) -> list[str]:
                     f"{section}[{i}]: starts at {item.start_s:g} s, after the end of the flight at "
                     f"{scenario.duration_s:g} s; it has no effect"
                 )
-    if not is_hurwitz(np.array(scenario.controller.inner.A_m)):
+    if isinstance(scenario.controller, Controller) and not is_hurwitz(np.array(scenario.controller.inner.A_m)):
         lines.append("controller.inner.A_m: not Hurwitz, the body rates are asked to follow an unstable model")
     return lines
 

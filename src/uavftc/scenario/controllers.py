@@ -1,4 +1,4 @@
-"""The `controller` section: an outer law on the attitude, an inner law on the body rates.
+"""The `controller` section: an outer law on the attitude, an inner law on the body rates; or a module of one's own.
 
 Defaults are the paper's (section 4); lists of three mean [phi, theta, psi] in the outer law and [roll, pitch, yaw] or
 [aileron, elevator, rudder] in the inner one.
@@ -6,9 +6,10 @@ Defaults are the paper's (section 4); lists of three mean [phi, theta, psi] in t
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from uavftc.scenario.matrices import hurwitz, invertible, positive_definite
@@ -19,6 +20,7 @@ from uavftc.scenario.values import (
     Number,
     Positive,
     PositiveVector3,
+    Problem,
     list_of,
     refusal,
 )
@@ -124,3 +126,47 @@ class Controller(Model):
             if isinstance(data.get(part), dict) and "kind" not in data[part]:
                 data[part] = {"kind": kind, **data[part]}
         return data
+
+
+def _plain(value: Any, key: tuple[str | int, ...]) -> list[Problem]:
+    """Return what of an option cannot be written to a file and read back the same."""
+    if isinstance(value, dict):
+        return [problem for name, item in value.items() for problem in _plain(item, (*key, name))]
+    if isinstance(value, list | tuple):
+        return [problem for i, item in enumerate(value) for problem in _plain(item, (*key, i))]
+    if value is None or isinstance(value, bool | str):
+        return []
+    if isinstance(value, int) and abs(value) < 2**63:
+        return []
+    if isinstance(value, float) and math.isfinite(value):
+        return []
+    expected = "a finite number, whole ones within 64 bits, a text, true, false, null, a list or a map"
+    return [Problem(key, str(value)[:40], expected, "write it as one of these, such as a text")]
+
+
+class OwnController(Model):
+    """A controller of one's own in the place of both loops: a module (docs/own-controller.md) and its options."""
+
+    kind: Annotated[str, Field(min_length=1, max_length=4096)]
+    options: Annotated[dict[str, Any], BeforeValidator(lambda value: {} if value is None else value)] = Field(
+        default_factory=dict
+    )
+    rate_hz: Annotated[Positive, Field(le=10_000)] = 200.0
+    delay_s: NonNegative = 0.0
+
+    @model_validator(mode="after")
+    def _options(self) -> OwnController:
+        if problems := _plain(self.options, ("options",)):
+            raise refusal(problems)
+        return self
+
+
+def _own_or_loops(value: Any) -> str:
+    own = isinstance(value, OwnController) or (isinstance(value, dict) and "kind" in value)
+    return "OwnController" if own else "Controller"
+
+
+AnyController = Annotated[
+    Annotated[Controller, Tag("Controller")] | Annotated[OwnController, Tag("OwnController")],
+    Discriminator(_own_or_loops),
+]

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from uavftc.errors import InputError
+from uavftc.scenario.controllers import Controller, OwnController
 from uavftc.scenario.document import Document, Key
 from uavftc.scenario.expression import KNOWN
 from uavftc.scenario.schema import Scenario
@@ -75,7 +76,7 @@ def _sections(annotation: Any) -> dict[str, type[BaseModel]]:
     """Return the sections an annotation admits, by the name under which a union's errors tell them."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         kind = annotation.model_fields.get("kind")
-        return {kind.default if kind else annotation.__name__: annotation}
+        return {kind.default if kind and isinstance(kind.default, str) else annotation.__name__: annotation}
     return {name: model for part in typing.get_args(annotation) for name, model in _sections(part).items()}
 
 
@@ -140,6 +141,10 @@ def _unknown(key: Key, model: type[BaseModel]) -> Problem:
     siblings = [k for k, other in _siblings(model).items() if name in other.model_fields]
     if siblings:
         remedy = f"remove it: it belongs to kind {' and '.join(siblings)}"
+    if model is OwnController and name in Controller.model_fields:
+        remedy = "remove it: a controller with a kind takes the place of both loops (as --controller does)"
+    if model is Controller and name == "options":
+        remedy = "remove it, or name the module of your own controller with kind (docs/own-controller.md)"
     if model.__name__ == "Gust" and name == "end_s":
         remedy = "remove it: a gust ends by itself, at start_s + 2*ramp_s + hold_s"
     return Problem(key, f"the unknown key {describe(name)}", f"one of {', '.join(known)}", remedy)
@@ -148,16 +153,12 @@ def _unknown(key: Key, model: type[BaseModel]) -> Problem:
 def _siblings(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
     """Return the sections that can stand in the place of `model`, by their kind."""
     unions = [Scenario.model_fields["disturbances"].annotation]
-    unions += [_field.annotation for _field in _controller().model_fields.values()]
+    unions += [_field.annotation for _field in Controller.model_fields.values()]
     for union in unions:
         sections = _sections(union)
         if model in sections.values():
             return {k: other for k, other in sections.items() if other is not model}
     return {}
-
-
-def _controller() -> type[BaseModel]:
-    return next(iter(_sections(Scenario.model_fields["controller"].annotation).values()))
 
 
 def _disturbances() -> list[str]:

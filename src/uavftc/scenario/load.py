@@ -12,9 +12,10 @@ from pydantic import ValidationError
 from uavftc import resources
 from uavftc.errors import InputError, join
 from uavftc.scenario.checks import warnings
+from uavftc.scenario.controllers import OwnController
 from uavftc.scenario.document import Document, parse
 from uavftc.scenario.explain import describe, explain
-from uavftc.scenario.overrides import apply, controller_spelling, set_controller
+from uavftc.scenario.overrides import apply, controller_spelling, own_name, resolve_controller, set_controller
 from uavftc.scenario.schema import Scenario
 from uavftc.scenario.text import scenario_text
 
@@ -43,7 +44,8 @@ def load_scenario(
         Take the place of the file's. A relative path to an aircraft starts at the working directory here, and at the
         folder of the file when the file has it.
     controller
-        ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know.
+        ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know. Any
+        other name, or the path of a .py file, is that of an own controller (docs/own-controller.md).
 
     Raises
     ------
@@ -61,6 +63,7 @@ def load_scenario(
     for override in overrides:
         apply(document, override)
     _resolve_aircraft(document, path.parent)
+    resolve_controller(document, path.parent)
     try:
         return Scenario.model_validate(document.data)
     except ValidationError as error:
@@ -68,8 +71,11 @@ def load_scenario(
 
 
 def controller_name(scenario: Scenario) -> str:
-    """Return the controller's name as `--controller` takes it, such as ``nndondi-l1``."""
-    return controller_spelling(scenario.controller.outer.kind, scenario.controller.inner.kind)
+    """Return the controller's name as `--controller` takes it, such as ``nndondi-l1``; of an own one a short name."""
+    controller = scenario.controller
+    if isinstance(controller, OwnController):
+        return own_name(controller.kind)
+    return controller_spelling(controller.outer.kind, controller.inner.kind)
 
 
 def find_scenario(source: str | Path) -> Path:

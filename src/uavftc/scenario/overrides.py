@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import os
 import re
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
+from uavftc.control.own_module import HOW, SHIPPED, is_path, is_there, registered
 from uavftc.errors import InputError
 from uavftc.scenario.controllers import DEFAULT_INNER, DEFAULT_OUTER, INNER, OUTER
 from uavftc.scenario.document import Document, Key, parse
@@ -24,25 +28,24 @@ def controller_spelling(outer: str, inner: str) -> str:
 
 
 def set_controller(document: Document, name: str) -> None:
-    """Set the two kinds; parameters that a new kind lacks are dropped, the others kept.
+    """Set the two kinds, or the one of an own controller; what the new kinds lack is dropped, the others kept.
 
-    Raises
-    ------
-    InputError
-        If no controller has this name.
+    A name that is no pair of kinds is taken for an own controller's; `resolve_controller` tells if it is none.
     """
-    if name not in CONTROLLERS:
-        raise InputError(
-            f"--controller {name}",
-            found=f"'{name}'",
-            expected=f"one of {', '.join(CONTROLLERS)}",
-            remedy=_nearest(name, list(CONTROLLERS)) or "use <outer>-<inner>",
-        )
     if document.data.get("controller") is None:
         document.data["controller"] = {}
     section = document.data["controller"]
     if not isinstance(section, dict):
         return  # the schema tells what is wrong with it
+    if section.get("kind", name) != name:  # another controller's options
+        section.pop("options", None)
+    section.pop("kind", None)
+    if name not in CONTROLLERS:
+        for part in ("outer", "inner"):
+            section.pop(part, None)
+        section["kind"] = name
+        document.put(("controller", "kind"), f"--controller {name}")
+        return
     known: tuple[tuple[str, dict[str, Any], str], ...] = (
         ("outer", OUTER, DEFAULT_OUTER),
         ("inner", INNER, DEFAULT_INNER),
@@ -57,6 +60,56 @@ def set_controller(document: Document, name: str) -> None:
         lacking = set(old.model_fields) - set(models[kind].model_fields) if old else set()
         section[part] = {**{k: v for k, v in loop.items() if k not in lacking}, "kind": kind}
         document.places[("controller", part, "kind")] = f"--controller {name}"
+
+
+def own_name(kind: str) -> str:
+    """Return a short name, fit for a folder, of an own controller: the last part of its import path, or its stem."""
+    last = re.split(r"[/\\]", kind.removesuffix(".py"))[-1] if is_path(kind) else kind.rpartition(".")[2]
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", last)[:100]
+    taken = name in CONTROLLERS or (name in SHIPPED and kind != name) or not name[:1].isalnum()
+    return f"own-{name}" if taken else name
+
+
+def resolve_controller(document: Document, folder: Path) -> None:
+    """Make the path of an own controller absolute, and see that one by name is there.
+
+    A path starts at `folder`, then at the working directory; given as an option, at the working directory.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or nothing that this name could mean.
+    """
+    section = document.data.get("controller")
+    kind = section.get("kind") if isinstance(section, dict) else None
+    if not isinstance(section, dict) or not isinstance(kind, str) or not kind:
+        return
+    place = document.place(("controller", "kind"))
+    where = f"{place}, key controller.kind"
+    if is_path(kind):
+        bases = [Path.cwd()] if place.startswith("--") else [folder, Path.cwd()]
+        for base in bases:
+            with suppress(OSError, ValueError):
+                file = os.path.abspath(base / Path(kind).expanduser())
+                if os.path.isfile(file):
+                    section["kind"] = file
+                    return
+        looked = " and ".join(dict.fromkeys(str(base.resolve()) for base in bases))
+        found = f"{kind!r}, which is no file (looked in {looked})"
+        raise _error(where, found, "the path of a Python file", "check the path")
+    if kind in CONTROLLERS:
+        outer, inner = CONTROLLERS[kind]
+        remedy = f"write outer: {{kind: {outer}}} and inner: {{kind: {inner}}} in its place"
+        raise _error(where, f"'{kind}', which is a pair of laws", "the module of a controller", remedy)
+    if not is_there(kind):
+        known = [*CONTROLLERS, *registered()]
+        near = _nearest(kind, known)
+        raise _error(
+            where,
+            f"{kind!r}, which is neither a known controller nor a module that can be found",
+            f"one of {', '.join(known)}, or a controller of your own",
+            f"{f'{near} ' if near else ''}Your own is given as {HOW}",
+        )
 
 
 def apply(document: Document, override: str) -> None:

@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator,
 from pydantic_core import PydanticCustomError
 
 from uavftc.scenario.checks import problems
-from uavftc.scenario.controllers import Controller
+from uavftc.scenario.controllers import AnyController, Controller
 from uavftc.scenario.disturbances import ZERO, Disturbance, Window
 from uavftc.scenario.values import Model, NonNegative, Number, Positive, Signal, Vector3, Whole, refusal
 from uavftc.signals import SURFACES
@@ -122,7 +122,7 @@ class Scenario(Model):
     aircraft: Annotated[str, Field(min_length=1, max_length=4096)] = "hale"
     initial: Initial = Initial()
     reference: Reference = Reference()
-    controller: Controller = Controller()
+    controller: AnyController = Controller()
     saturation: Saturation | None = None
     faults: tuple[Fault, ...] = ()
     disturbances: tuple[Disturbance, ...] = ()

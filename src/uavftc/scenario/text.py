@@ -17,19 +17,32 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 def scenario_text(scenario: Scenario) -> str:
     """Return the scenario as YAML with every default filled in; `load_scenario` on it gives an equal scenario."""
-    return "\n".join(_block(scenario.model_dump(), 0)) + "\n"
+    data = scenario.model_dump()
+    if "options" in data["controller"]:
+        data["controller"]["options"] = _as_given(data["controller"]["options"])
+    return "\n".join(_block(data, 0)) + "\n"
+
+
+class _Given(dict[str, Any]):
+    """A map of the user's, whose order is kept."""
+
+
+def _as_given(value: Any) -> Any:
+    if isinstance(value, dict):
+        return _Given({key: _as_given(item) for key, item in value.items()})
+    return [_as_given(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def _block(section: dict[str, Any], indent: int) -> list[str]:
     """Return the lines of a section: short values on one line, long ones below their key."""
     lines: list[str] = []
     for key, value in _ordered(section):
-        line = f"{' ' * indent}{key}: {_flow(value)}"
-        records = isinstance(value, list | tuple) and bool(value) and isinstance(value[0], dict)
+        line = f"{' ' * indent}{_quoted(key)}: {_flow(value)}"
+        records = isinstance(value, list | tuple) and bool(value) and all(isinstance(item, dict) for item in value)
         if isinstance(value, dict) and len(line) > MAX_WIDTH:
-            lines += [f"{' ' * indent}{key}:", *_block(value, indent + 2)]
+            lines += [f"{' ' * indent}{_quoted(key)}:", *_block(value, indent + 2)]
         elif records:
-            lines.append(f"{' ' * indent}{key}:")
+            lines.append(f"{' ' * indent}{_quoted(key)}:")
             for item in value:
                 lines += _item(item, indent + 2)
         else:
@@ -47,16 +60,20 @@ def _item(item: dict[str, Any], indent: int) -> list[str]:
 
 def _ordered(section: dict[str, Any]) -> list[tuple[str, Any]]:
     """Return the keys in the order of the schema, with what the section is about first."""
+    if isinstance(section, _Given):
+        return list(section.items())
     return sorted(section.items(), key=lambda item: item[0] not in _FIRST)
 
 
 def _flow(value: Any) -> str:
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_flow(v)}" for key, v in _ordered(value)) + "}"
+        return "{" + ", ".join(f"{_quoted(key)}: {_flow(v)}" for key, v in _ordered(value)) + "}"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_flow(v) for v in value) + "]"
     if value is None:
         return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
     return _quoted(value) if isinstance(value, str) else repr(value)
 
 

@@ -21,7 +21,11 @@ import numpy as np
 
 from uavftc.aircraft import Aircraft
 from uavftc.errors import InputError
+from uavftc.plants.jsbsim.moment import copy_with_moment
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
+
+FLAT_PLANET = Path(__file__).with_name("flat_planet.xml")
+"""Flat, not rotating, constant gravity: the paper's assumptions 2 and 3, for an aircraft that names no planet."""
 
 _TOLD = 4  # of JSBSim's complaints; the first ones name the cause
 _WARN, _FATAL = int(jsbsim.LogLevel.WARN), int(jsbsim.LogLevel.FATAL)
@@ -91,31 +95,60 @@ def _quiet_log() -> _Log:
     return _log
 
 
-def load(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
+def load(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> jsbsim.FGFDMExec:
     """Return a fresh FDM with the aircraft loaded at frame time dt, s; nothing is initialised yet.
+
+    With `with_moment`, an aircraft that has no input for a disturbance moment is loaded from a copy that has one.
 
     Raises
     ------
     InputError
-        If JSBSim cannot read the aircraft or complains about it.
+        If JSBSim cannot read the aircraft or, of an aircraft with a companion file, complains about it.
     """
-    folder, name = aircraft.folder, aircraft.folder.name
-    check_elements(aircraft.xml)
+    folder = aircraft.folder
+    if aircraft.strict:
+        check_elements(aircraft.xml)
+    if with_moment and aircraft.disturbance_moment is None:
+        folder = copy_with_moment(aircraft)
+    planet = FLAT_PLANET if aircraft.planet is None else aircraft.folder / aircraft.planet
     log = _quiet_log()
     fdm = jsbsim.FGFDMExec(str(folder.parent))
     fdm.set_debug_level(0)
     fdm.set_aircraft_path(str(folder.parent))
-    fdm.set_engine_path(str(folder / "engine"))
-    fdm.set_systems_path(str(folder / "systems"))
+    fdm.set_engine_path(str(aircraft.engine_dir))
+    fdm.set_systems_path(str(aircraft.systems_dir))
     fdm.set_dt(dt)  # before load_model: the FCS components keep the frame time they are loaded with
     try:
-        loaded = fdm.load_model(name)
-        if loaded and aircraft.planet is not None:
-            loaded = fdm.load_planet(str(folder / aircraft.planet), False)
-    except (RuntimeError, OSError) as error:  # jsbsim.BaseError and what the binding raises of its own
+        loaded = fdm.load_model(folder.name)
+        complaints = log.complaints()
+        if loaded:
+            loaded = fdm.load_planet(str(planet), False)
+    except (RuntimeError, OSError) as error:  # jsbsim.BaseError is a RuntimeError
         raise _unreadable(aircraft, [*log.complaints(), str(error)]) from None
-    if not loaded or log.complaints():
+    if not loaded or (aircraft.strict and complaints):
         raise _unreadable(aircraft, log.complaints())
+    return fdm
+
+
+def initialised(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> jsbsim.FGFDMExec:
+    """Return a fresh FDM at frame time dt, s, loaded, initialised and checked against the companion file.
+
+    Raises
+    ------
+    InputError
+        If the aircraft does not load or does not hold what the companion file says.
+    """
+    fdm = load(aircraft, dt, with_moment=with_moment)
+    try:
+        fdm.run_ic()
+        check_initialised(aircraft, fdm)
+    except (jsbsim.BaseError, KeyError) as error:
+        raise InputError(
+            f"aircraft {aircraft.name}, {aircraft.xml}",
+            found=f"JSBSim cannot initialise it: {' '.join(str(error).split())}",
+            expected="an aircraft whose properties all exist",
+            remedy="correct the property name in the XML",
+        ) from None
     return fdm
 
 
@@ -148,7 +181,7 @@ def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
                 remedy="correct the XML (JSBSim passes over an element whose name it does not know) or the "
                 "companion file; give inertias in SLUG*FT2, JSBSim's own KG*M2 factor is 9e-5 off",
             )
-    if _log is not None and _log.complaints():
+    if aircraft.strict and _log is not None and _log.complaints():
         raise _unreadable(aircraft, _log.complaints())
     manager = fdm.get_property_manager()
     for key, name in aircraft.properties():
@@ -161,15 +194,21 @@ def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
             )
 
 
-def mass_properties(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> dict[str, tuple[Any, Any, str]]:
-    """Return (loaded, claimed, unit) of mass, inertia, wing area, span and chord, in SI."""
-    claimed = aircraft.mass_properties
+def inertia(fdm: jsbsim.FGFDMExec) -> np.ndarray:
+    """Return the inertia matrix, shape (3, 3), kg m^2, matrix signs; after `run_ic`."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PendingDeprecationWarning)  # the binding returns a numpy.matrix
-        J = np.array(fdm.get_mass_balance().get_J()) * SLUGFT2_KGM2
+        return np.array(fdm.get_mass_balance().get_J()) * SLUGFT2_KGM2
+
+
+def mass_properties(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> dict[str, tuple[Any, Any, str]]:
+    """Return (loaded, claimed, unit) of mass, inertia, wing area, span and chord, in SI; empty without claims."""
+    claimed = aircraft.mass_properties
+    if claimed is None:
+        return {}
     return {
         "mass": (fdm["inertia/mass-slugs"] * SLUG_KG, claimed.mass_kg, "kg"),
-        "inertia": (J, np.array(claimed.inertia_kgm2), "kg m^2"),
+        "inertia": (inertia(fdm), np.array(claimed.inertia_kgm2), "kg m^2"),
         "wing area": (fdm["metrics/Sw-sqft"] * FT_M**2, claimed.wing_area_m2, "m^2"),
         "span": (fdm["metrics/bw-ft"] * FT_M, claimed.span_m, "m"),
         "chord": (fdm["metrics/cbarw-ft"] * FT_M, claimed.chord_m, "m"),

@@ -1,12 +1,16 @@
-"""Level trim of a propeller aircraft, and the exact start of a flight.
+"""Trim: steady straight flight, wings level or nearly so, and the exact start of a flight from it.
 
-JSBSim's own trim fails where a light propeller needs time to spin up. Here the vehicle is frozen in its state (its
-four integrators switched off) while the propellers and actuators run, and angle of attack, elevator and throttle are
-solved for u_dot = w_dot = q_dot = 0.
+Three ways, tried in this order:
+
+- `jsbsim`: JSBSim's own full trim. It fails where a light propeller needs time to spin up.
+- `own`: the vehicle is frozen in its state (its four integrators switched off) while engines and actuators run, and
+  alpha, elevator, throttle, bank, aileron and rudder are solved for zero accelerations at zero sideslip.
+- `glide`: the same for an aircraft without engines, with the flight path angle in place of the throttle.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jsbsim
@@ -14,7 +18,6 @@ import numpy as np
 from scipy.optimize import root
 
 from uavftc.aircraft import Aircraft
-from uavftc.errors import InputError
 from uavftc.plants.jsbsim.units import FT_M
 
 INTEGRATORS = tuple(
@@ -22,33 +25,68 @@ INTEGRATORS = tuple(
     for kind in ("rate", "position")
     for motion in ("rotational", "translational")
 )
+TRIM_COMMANDS = ("fcs/roll-trim-cmd-norm", "fcs/pitch-trim-cmd-norm", "fcs/yaw-trim-cmd-norm")
+ACCELERATIONS = (
+    "accelerations/udot-ft_sec2", "accelerations/vdot-ft_sec2", "accelerations/wdot-ft_sec2",
+    "accelerations/pdot-rad_sec2", "accelerations/qdot-rad_sec2", "accelerations/rdot-rad_sec2",
+)  # fmt: skip
 
-SPIN_UP_S = 2.0  # a step of the solution; long against the propeller's time constant (0.1 s for hale)
+SPIN_UP_S = 2.0  # a step of the own solution; long against a propeller's time constant (0.1 s for hale)
 SETTLE_S = 5.0  # before a flight; what is left of the spin-up is below rounding
 STARTS = (0.5, 0.1, 0.9)  # throttle to start the solution from, in turn: a stopped propeller has no slope
-TOLERANCE = 1e-6  # m/s^2 and rad/s^2, on each of the three equations
+TOLERANCE = 1e-6  # m/s^2 and rad/s^2, on each equation of the own solution
+JSBSIM_TOLERANCE = 2e-3  # m/s^2 and rad/s^2; JSBSim's own trim stops below 1e-3 ft/s^2 and 1e-4 rad/s^2 or so
 
 
 class Trim(NamedTuple):
-    """A level trim: SI and radians."""
+    """A steady straight flight: SI and radians; surface commands in the units of the aircraft's own properties."""
 
+    method: str
+    """`jsbsim`, `own` or `glide`."""
     airspeed: float
     altitude: float
     alpha: float
-    elevator: float
+    theta: float
+    phi: float
+    surfaces: tuple[float, float, float]
+    """Commands of aileron, elevator and rudder."""
+    trim_commands: tuple[float, float, float]
+    """JSBSim's roll, pitch and yaw trim commands; zero where the aircraft has none."""
     throttle: float
-    residual: tuple[float, float, float]
-    """u_dot, w_dot (m/s^2) and q_dot (rad/s^2) at the solution."""
+    residual: tuple[float, ...]
+    """u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2, at the solution."""
+
+    @property
+    def gamma(self) -> float:
+        """Flight path angle, rad, positive up (for wings level)."""
+        return self.theta - self.alpha
 
 
-def freeze(fdm: jsbsim.FGFDMExec) -> None:
-    """Switch the motion off: the state stays, propulsion and flight controls run on."""
+def has(fdm: jsbsim.FGFDMExec, name: str) -> bool:
+    """Whether the loaded aircraft has a property."""
+    return fdm.get_property_manager().get_node(name) is not None
+
+
+def freeze(fdm: jsbsim.FGFDMExec) -> dict[str, int]:
+    """Switch the motion off: the state stays, propulsion and flight controls run on. Return the integrators' codes."""
+    codes = {name: int(fdm[name]) for name in INTEGRATORS}
     for name in INTEGRATORS:
         fdm[name] = 0
+    return codes
 
 
-def place(fdm: jsbsim.FGFDMExec, *, airspeed: float, altitude: float, alpha: float) -> None:
-    """Put the vehicle in straight level flight, wings level, heading north, no wind; SI and radians."""
+def place(
+    fdm: jsbsim.FGFDMExec,
+    *,
+    airspeed: float,
+    altitude: float,
+    alpha: float,
+    theta: float | None = None,
+    phi: float = 0.0,
+    beta: float = 0.0,
+    rates: Sequence[float] = (0.0, 0.0, 0.0),
+) -> None:
+    """Put the vehicle into a state heading north in still air; SI and radians. Without theta, the flight is level."""
     values = {
         "ic/lat-geod-deg": 0.0,
         "ic/long-gc-deg": 0.0,
@@ -56,77 +94,116 @@ def place(fdm: jsbsim.FGFDMExec, *, airspeed: float, altitude: float, alpha: flo
         "ic/h-sl-ft": altitude / FT_M,
         "ic/vt-fps": airspeed / FT_M,
         "ic/alpha-rad": alpha,
-        "ic/beta-rad": 0.0,
-        "ic/theta-rad": alpha,
-        "ic/phi-rad": 0.0,
+        "ic/beta-rad": beta,
+        "ic/theta-rad": alpha if theta is None else theta,
+        "ic/phi-rad": phi,
         "ic/psi-true-rad": 0.0,
-        "ic/p-rad_sec": 0.0,
-        "ic/q-rad_sec": 0.0,
-        "ic/r-rad_sec": 0.0,
+        "ic/p-rad_sec": rates[0],
+        "ic/q-rad_sec": rates[1],
+        "ic/r-rad_sec": rates[2],
     }
     for name, value in values.items():
         fdm[name] = value
     fdm.run_ic()
 
 
-def command(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, elevator: float, throttle: float) -> None:
-    """Set the trim commands; elevator in rad, throttle 0..1."""
-    fdm[aircraft.surfaces.elevator.command] = elevator
-    for name in aircraft.throttle.command:
-        fdm[name] = throttle
+def configure(fdm: jsbsim.FGFDMExec) -> None:
+    """Clean configuration, engines running, fuel frozen (assumption 1 of the paper: constant mass)."""
+    for name in ("gear/gear-cmd-norm", "gear/gear-pos-norm"):
+        if has(fdm, name):
+            fdm[name] = 0.0
+    if fdm.get_propulsion().get_num_engines():
+        fdm["propulsion/set-running"] = -1
+    fdm["propulsion/fuel_freeze"] = 1
 
 
-def residual(fdm: jsbsim.FGFDMExec) -> tuple[float, float, float]:
-    """Return u_dot, w_dot, m/s^2, and q_dot, rad/s^2."""
-    return (
-        fdm["accelerations/udot-ft_sec2"] * FT_M,
-        fdm["accelerations/wdot-ft_sec2"] * FT_M,
-        fdm["accelerations/qdot-rad_sec2"],
+def command(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim) -> None:
+    """Set all commands of a trim."""
+    for surface, value in zip(aircraft.surface_list(), trim.surfaces, strict=True):
+        fdm[surface.command] = value
+    for name, value in zip(TRIM_COMMANDS, trim.trim_commands, strict=True):
+        if has(fdm, name):
+            fdm[name] = value
+    set_throttle(fdm, aircraft, trim.throttle)
+
+
+def set_throttle(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, value: float) -> None:
+    """Set the throttle command of all engines, 0..1."""
+    for name in aircraft.throttle_commands(fdm.get_propulsion().get_num_engines()):
+        fdm[name] = value
+
+
+def accelerations(fdm: jsbsim.FGFDMExec) -> tuple[float, ...]:
+    """Return u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2."""
+    linear, angular = ACCELERATIONS[:3], ACCELERATIONS[3:]
+    return (*(fdm[name] * FT_M for name in linear), *(fdm[name] for name in angular))
+
+
+def run_for(fdm: jsbsim.FGFDMExec, seconds: float) -> None:
+    """Run frames for a time, s."""
+    for _ in range(round(seconds / fdm.get_delta_t())):
+        fdm.run()
+
+
+def trim_jsbsim(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim | None:
+    """Return JSBSim's own full trim in level flight, or None where it fails."""
+    place(fdm, airspeed=airspeed, altitude=altitude, alpha=0.0)
+    configure(fdm)
+    try:
+        fdm["simulation/do_simple_trim"] = 1
+    except jsbsim.TrimFailureError:
+        return None
+    error = accelerations(fdm)
+    throttles = aircraft.throttle_commands(fdm.get_propulsion().get_num_engines())
+    trim = Trim(
+        "jsbsim",
+        airspeed,
+        altitude,
+        fdm["aero/alpha-rad"],
+        fdm["attitude/theta-rad"],
+        fdm["attitude/phi-rad"],
+        tuple(fdm[s.command] for s in aircraft.surface_list()),  # type: ignore[arg-type]
+        tuple(fdm[n] if has(fdm, n) else 0.0 for n in TRIM_COMMANDS),  # type: ignore[arg-type]
+        fdm[throttles[0]] if throttles else 0.0,
+        error,
     )
+    return trim if all(abs(e) < JSBSIM_TOLERANCE for e in error) else None
 
 
-def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim:
-    """Trim for straight level flight in still air and leave the FDM frozen there, propellers at speed.
-
-    Parameters
-    ----------
-    airspeed, altitude
-        True airspeed, m/s, and altitude above mean sea level, m.
-
-    Raises
-    ------
-    InputError
-        If no level trim exists with the throttle in [0, 1].
-    """
+def trim_own(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim | None:
+    """Return the own trim, with a glide for an aircraft without engines, or None. The FDM is left frozen."""
     freeze(fdm)
-    frames = round(SPIN_UP_S / fdm.get_delta_t())
+    glides = fdm.get_propulsion().get_num_engines() == 0
+    place(fdm, airspeed=airspeed, altitude=altitude, alpha=0.0)
+    configure(fdm)
 
-    def equations(x: np.ndarray) -> tuple[float, float, float]:
-        alpha, elevator, throttle = x
-        place(fdm, airspeed=airspeed, altitude=altitude, alpha=alpha)
-        command(fdm, aircraft, elevator, throttle)
-        for _ in range(frames):
-            fdm.run()
-        return residual(fdm)
-
-    for throttle in STARTS:
-        solution = root(equations, [0.0, 0.0, throttle], method="hybr", options={"eps": 1e-6, "xtol": 1e-12})
-        error = equations(solution.x)
-        if max(map(abs, error)) < TOLERANCE:
-            break
-    alpha, elevator, throttle = map(float, solution.x)
-    trim = Trim(airspeed, altitude, alpha, elevator, throttle, error)
-    if not max(map(abs, error)) < TOLERANCE or not 0.0 <= trim.throttle <= 1.0:
-        raise InputError(
-            f"aircraft {aircraft.name}, trim at {airspeed:g} m/s and {altitude:g} m",
-            found=f"alpha {np.degrees(trim.alpha):.2f} deg, elevator {np.degrees(trim.elevator):.2f} deg, "
-            f"throttle {trim.throttle:.3f}, left over u_dot {error[0]:.2g}, w_dot {error[1]:.2g} m/s^2, "
-            f"q_dot {error[2]:.2g} rad/s^2",
-            expected=f"level flight with throttle 0 to 1 and each of these below {TOLERANCE:g}",
-            remedy=f"choose another initial.airspeed_mps or initial.altitude_m (the aircraft's own: "
-            f"{aircraft.initial.airspeed_mps:g} m/s, {aircraft.initial.altitude_m:g} m)",
+    def as_trim(x: np.ndarray, error: tuple[float, ...] = ()) -> Trim:
+        alpha, elevator, third, phi, aileron, rudder = map(float, x)
+        theta, throttle = (alpha + third, 0.0) if glides else (alpha, third)
+        surfaces = (aileron, elevator, rudder)
+        return Trim(
+            "glide" if glides else "own", airspeed, altitude, alpha, theta, phi, surfaces, (0, 0, 0), throttle, error
         )
-    return trim
+
+    def equations(x: np.ndarray) -> tuple[float, ...]:
+        trim = as_trim(x)
+        place(fdm, airspeed=airspeed, altitude=altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
+        command(fdm, aircraft, trim)
+        run_for(fdm, SPIN_UP_S)
+        u, v, w, p, q, r = accelerations(fdm)
+        return u, w, q, v, p, r
+
+    for third in (-0.05,) if glides else STARTS:
+        solution = root(equations, [0.0, 0.0, third, 0.0, 0.0, 0.0], options={"eps": 1e-6, "xtol": 1e-12})
+        u, w, q, v, p, r = equations(solution.x)
+        trim = as_trim(solution.x, (u, v, w, p, q, r))
+        usable = all(-limit <= c <= limit for c, limit in zip(trim.surfaces, aircraft.command_limits(), strict=True))
+        if all(abs(e) < TOLERANCE for e in trim.residual) and usable and 0.0 <= trim.throttle <= 1.0:
+            return trim
+    return None
+
+
+WIND = ("atmosphere/wind-north-fps", "atmosphere/wind-east-fps", "atmosphere/wind-down-fps")
 
 
 def start(
@@ -135,28 +212,28 @@ def start(
     """Start the flight from the trim, in air that moves with `wind_n` (north, east, down), m/s, at time zero.
 
     The vehicle moves with the air, so that steady wind leaves it in trim. The first seconds are flown frozen: the
-    propellers come to speed, and all models have seen the wind before anything moves. Every flight starts so, from a
+    engines come to speed, and all models have seen the wind before anything moves. Every flight starts so, from a
     fresh FDM, whether its trim was solved just now or before: flights are identical to the bit.
     """
     freeze(fdm)
-    place(fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha)
+    state = {"airspeed": trim.airspeed, "altitude": trim.altitude, "alpha": trim.alpha, "theta": trim.theta}
+    place(fdm, **state, phi=trim.phi)
+    configure(fdm)
+    command(fdm, aircraft, trim)
     if np.any(wind_n):
-        air = np.array([trim.airspeed, 0.0, 0.0])  # level, heading north
-        for name, speed in zip(("ic/vn-fps", "ic/ve-fps", "ic/vd-fps"), air + wind_n, strict=True):
-            fdm[name] = speed / FT_M
+        names = ("ic/vn-fps", "ic/ve-fps", "ic/vd-fps")
+        still = [fdm[f"velocities/v-{axis}-fps"] for axis in ("north", "east", "down")]
+        for name, air, speed in zip(names, wind_n, still, strict=True):
+            fdm[name] = speed + air / FT_M
         fdm.run_ic()
+        configure(fdm)
         for name, speed in zip(WIND, wind_n, strict=True):
             fdm[name] = speed / FT_M
-    command(fdm, aircraft, trim.elevator, trim.throttle)
     if aircraft.autothrottle is not None:
         fdm[aircraft.autothrottle.setpoint_fps] = trim.airspeed / FT_M
-    for _ in range(round(SETTLE_S / fdm.get_delta_t())):
-        fdm.run()
-    if aircraft.autothrottle is not None:  # after those frames, or it integrates the error of a stale airspeed
+    run_for(fdm, SETTLE_S)
+    if aircraft.autothrottle is not None:
         fdm[aircraft.autothrottle.switch] = 1
     for name, code in integrators.items():
         fdm[name] = code
     fdm.set_sim_time(0.0)
-
-
-WIND = ("atmosphere/wind-north-fps", "atmosphere/wind-east-fps", "atmosphere/wind-down-fps")

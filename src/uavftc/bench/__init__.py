@@ -1,0 +1,1 @@
+"""Benchmarks: what the closed loop costs beside what it stands on."""

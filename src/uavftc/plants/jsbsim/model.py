@@ -1,0 +1,245 @@
+"""The trimmed model of an aircraft: what the project knows of it beyond its XML, measured on JSBSim.
+
+Trim, linear model, surface limits and signs, inertia. It is measured in a child process, because some aircraft crash
+the process that loads them, and kept in the user's cache under the checksum of the aircraft's files and of this code.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import platformdirs
+
+from uavftc import aircraft as aircraft_module
+from uavftc.aircraft import Aircraft
+from uavftc.errors import InputError
+
+TIMEOUT_S = 120.0
+FRAME_S = 0.005  # the trim does not depend on the rate at which it is flown
+NOMINAL_RAD = 0.35  # deflection at full command of a surface that reports none; a unit, not a claim
+ALTITUDE_M = 1500.0  # where nothing says otherwise
+SPEEDS_MPS = (15.0, 20.0, 25.0, 30.0, 35.0, 42.0, 51.0, 62.0, 75.0, 90.0, 110.0, 130.0, 155.0, 185.0, 220.0)
+
+
+class NoTrimError(InputError):
+    """There is no trim at a condition."""
+
+
+class TrimmedModel(NamedTuple):
+    """An aircraft at one trim; SI, radians, deflections u about trim with positive u giving positive own moment."""
+
+    trim: dict[str, Any]
+    """Fields of `trim.Trim`."""
+    mass_kg: float
+    inertia_kgm2: list[list[float]]
+    engines: int
+    rad_per_command: list[float]
+    """(3,) deflection u, rad, per unit of the surface's command; negative where JSBSim's sign is the other."""
+    measured_rad: list[bool]
+    """(3,) whether the aircraft reports the deflection, or `NOMINAL_RAD` stands for it."""
+    limits_rad: list[list[float]]
+    """(3, 2) least and greatest u about trim, from the range of the command."""
+    A: list[list[float]]
+    """(8, 8) over `linearise.STATES`."""
+    B: list[list[float]]
+    """(6, 3) change of u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2, per rad of u."""
+    throttle_mps2: float
+    """Change of u_dot, m/s^2, per unit of throttle."""
+    nonlinearity: list[float]
+    """(3,) relative difference of each surface's own response between two step sizes."""
+
+    @property
+    def A_rates(self) -> np.ndarray:
+        """Rotational block of A over p, q, r, shape (3, 3), 1/s."""
+        index = [5, 2, 6]
+        return np.array(self.A)[np.ix_(index, index)]
+
+    @property
+    def B_rates(self) -> np.ndarray:
+        """Change of p_dot, q_dot, r_dot with aileron, elevator and rudder, shape (3, 3), 1/s^2 per rad."""
+        return np.array(self.B)[3:]
+
+
+def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedModel:
+    """Return the trimmed model, measured in this process.
+
+    Raises
+    ------
+    InputError
+        If the aircraft does not load or has no trim there.
+    """
+    from uavftc.plants.jsbsim.linearise import linearise  # noqa: PLC0415
+    from uavftc.plants.jsbsim.load import inertia, initialised  # noqa: PLC0415 - the parent process does without JSBSim
+    from uavftc.plants.jsbsim.trim import configure, freeze, place, trim_jsbsim, trim_own  # noqa: PLC0415
+    from uavftc.plants.jsbsim.units import SLUG_KG  # noqa: PLC0415
+
+    trim, own = None, aircraft.initial
+    if aircraft.autothrottle is None:  # an aircraft made for this project has its trim solved exactly
+        trim = trim_jsbsim(initialised(aircraft, FRAME_S), aircraft, airspeed, altitude)
+    fdm = initialised(aircraft, FRAME_S)
+    trim = trim or trim_own(fdm, aircraft, airspeed, altitude)
+    if trim is None:
+        raise NoTrimError(
+            f"aircraft {aircraft.name}, trim at {airspeed:g} m/s and {altitude:g} m",
+            found="no steady flight: JSBSim's trim fails, and so does the project's own",
+            expected="a condition in which surfaces and throttle within their limits bring all accelerations to zero",
+            remedy="choose another initial.airspeed_mps or initial.altitude_m"
+            + (f" (the aircraft's own: {own.airspeed_mps:g} m/s, {own.altitude_m:g} m)" if own else ""),
+        )
+    freeze(fdm)
+    place(fdm, airspeed=airspeed, altitude=altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
+    configure(fdm)
+    linear = linearise(fdm, aircraft, trim)
+    response = np.array([linear.B_command[3 + j, j] for j in range(3)])
+    scale, measured, limits = np.zeros(3), [], []
+    for j, surface in enumerate(aircraft.surface_list()):
+        size = abs(linear.position[j])
+        known = surface.rad_per_command is not None or bool(np.isfinite(size) and size > 1e-6)
+        if surface.rad_per_command is not None:
+            scale[j] = surface.rad_per_command
+        else:
+            scale[j] = (size if known else NOMINAL_RAD) * (-1.0 if response[j] < 0.0 else 1.0)
+        measured.append(known)
+        reach = 1.0 if surface.stop_rad is None else surface.stop_rad / abs(scale[j])
+        at = trim.surfaces[j] + trim.trim_commands[j]
+        limits.append(sorted(((-reach - at) * scale[j], (reach - at) * scale[j])))
+    return TrimmedModel(
+        trim=trim._asdict(),
+        mass_kg=fdm["inertia/mass-slugs"] * SLUG_KG,
+        inertia_kgm2=inertia(fdm).tolist(),
+        engines=fdm.get_propulsion().get_num_engines(),
+        rad_per_command=scale.tolist(),
+        measured_rad=measured,
+        limits_rad=[list(map(float, pair)) for pair in limits],
+        A=linear.A.tolist(),
+        B=(linear.B_command / scale).tolist(),
+        throttle_mps2=linear.throttle_mps2,
+        nonlinearity=linear.nonlinearity.tolist(),
+    )
+
+
+# --- measured once, in a child process ------------------------------------------------------------------------------
+
+
+def trimmed_model(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedModel:
+    """Return the trimmed model at an airspeed, m/s, and altitude, m, from the cache or measured in a child process.
+
+    Raises
+    ------
+    InputError
+        If the aircraft crashes JSBSim, does not load, or has no trim there.
+    """
+    return _cached(aircraft, aircraft.sha256(), (airspeed,), altitude)[0]
+
+
+def trimmed_models(aircraft: Aircraft, altitude: float) -> tuple[TrimmedModel, ...]:
+    """Return the trimmed models at those of `SPEEDS_MPS` at which there is a trim.
+
+    Raises
+    ------
+    InputError
+        If the aircraft crashes JSBSim, does not load, or trims at none of the speeds.
+    """
+    return _cached(aircraft, aircraft.sha256(), SPEEDS_MPS, altitude)
+
+
+@functools.lru_cache(maxsize=256)
+def _cached(aircraft: Aircraft, checksum: str, speeds: tuple[float, ...], altitude: float) -> tuple[TrimmedModel, ...]:
+    name = repr(speeds[0]) if len(speeds) == 1 else "all"
+    file = cache_dir() / f"{checksum[:32]}-{name}-{altitude!r}.json"
+    answer: dict[str, Any] | None = None
+    with contextlib.suppress(OSError, ValueError):
+        answer = json.loads(file.read_text(encoding="utf-8"))
+    if answer is None:
+        answer = json.loads(_in_child(aircraft, speeds, altitude))
+        if answer["lasting"]:
+            _keep(file, answer)
+    if "error" in answer:
+        told = dict(answer["error"])
+        raise InputError(told.pop("where"), **told)
+    return tuple(TrimmedModel(**model) for model in answer["models"])
+
+
+def _keep(file: Path, answer: dict[str, Any]) -> None:
+    """Write an answer to the cache; where it cannot be written, it is measured again."""
+    with contextlib.suppress(OSError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        partial = file.with_suffix(f".{os.getpid()}")
+        partial.write_text(json.dumps(answer), encoding="utf-8")
+        partial.replace(file)
+
+
+def cache_dir() -> Path:
+    """Return the folder of trimmed models for exactly this code, this planet and this JSBSim."""
+    digest = hashlib.sha256(metadata.version("jsbsim").encode())
+    here = Path(__file__).parent
+    for source in (Path(aircraft_module.__file__), *sorted(here.glob("*.py")), *sorted(here.glob("*.xml"))):
+        digest.update(source.read_bytes())
+    return platformdirs.user_cache_path("uavftc") / "models" / digest.hexdigest()[:16]
+
+
+def _in_child(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) -> str:
+    command = [sys.executable, "-m", __name__, aircraft.reference, repr(altitude), *map(repr, speeds)]
+    try:
+        child = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
+    except subprocess.TimeoutExpired:
+        raise _crash(aircraft, f"JSBSim does not finish loading and trimming it within {TIMEOUT_S:g} s", "") from None
+    if child.returncode < 0:
+        name = signal.Signals(-child.returncode).name
+        raise _crash(aircraft, f"JSBSim crashes while loading or trimming it ({name})", child.stderr)
+    if child.returncode != 0 or not child.stdout.strip():
+        raise _crash(aircraft, "the process that loads it ended abnormally", child.stderr)
+    return child.stdout.strip().splitlines()[-1]
+
+
+def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
+    told = [line.split("what():")[-1].strip() for line in stderr.splitlines() if "what():" in line]
+    told = told or [line for line in stderr.splitlines()[-1:] if line.strip()]
+    return InputError(
+        f"aircraft {aircraft.name}, {aircraft.xml}",
+        found=": ".join([found, *told[:1]]),
+        expected="an aircraft that JSBSim loads and runs",
+        remedy="look for a property or operator name that does not exist, in the part you changed last",
+    )
+
+
+def main(reference: str, altitude: str, *speeds: str) -> None:
+    """Measure and print one JSON document: the models at the speeds that trim, or the refusal of the last."""
+    from uavftc.aircraft import load_aircraft  # noqa: PLC0415
+
+    models: list[dict[str, Any]] = []
+    refusal: InputError | None = None
+    try:
+        aircraft = load_aircraft(reference)
+        for speed in speeds:
+            try:
+                models.append(measure(aircraft, float(speed), float(altitude))._asdict())
+            except NoTrimError as error:
+                refusal = error
+    except InputError as error:
+        models, refusal = [], error
+    if models or refusal is None:
+        print(json.dumps({"models": models, "lasting": True}))
+    else:
+        told = {key: getattr(refusal, key) for key in ("where", "found", "expected", "remedy")}
+        if len(speeds) > 1 and isinstance(refusal, NoTrimError):
+            told["where"] = f"aircraft {aircraft.name}, trim at {speeds[0]} to {speeds[-1]} m/s and {altitude} m"
+        # what does not load is told with its path, and the next file of the same content has another
+        print(json.dumps({"error": told, "lasting": isinstance(refusal, NoTrimError)}))
+    sys.stdout.flush()
+    os._exit(0)  # some aircraft crash JSBSim as it is taken down
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
