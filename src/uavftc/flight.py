@@ -48,16 +48,15 @@ def fly(flight: Flight, recorders: Sequence[Recorder] = (), progress: Callable[[
         Called with the number of rows flown so far.
     """
     total = flight.steps + 1
-    rows = empty_rows(min(CHUNK_ROWS, total))
-    records = as_records(rows)
     wall_s = 0.0
     done = 0
     lost: np.void | None = None
     with _ctrl_c() as stopped:
         while done < total and lost is None and not stopped.is_set():
-            n = min(len(rows), total - done)
-            rows[:n] = 0.0
-            flight.inputs.fill(records[:n], done)
+            n = min(CHUNK_ROWS, total - done)
+            rows = empty_rows(n)  # fresh for each chunk, so that a recorder may keep it without a copy
+            records = as_records(rows)
+            flight.inputs.fill(records, done)
             flown = 0
             started = time.perf_counter()
             while flown < n and lost is None and not stopped.is_set():

@@ -1,7 +1,7 @@
 """Sinks for the history of a flight: in memory, or streamed to `history.parquet`; and the way back.
 
-A flight hands out its rows as successive chunks, each row once and in order. A recorder takes a chunk before the next
-one is flown, so the chunk's memory may be used again.
+A flight hands out its rows as successive chunks, each row once and in order, and each chunk in memory of its own: a
+recorder may keep it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Recorder(Protocol):
     """Anything that takes the chunks of a flight."""
 
     def take(self, records: np.ndarray) -> None:
-        """Take the next rows, shape (n,), dtype `signals.ROW`; they are not referred to after the call."""
+        """Take the next rows, shape (n,), dtype `signals.ROW`; nobody changes them any more."""
 
 
 def published(records: np.ndarray) -> dict[str, np.ndarray]:
@@ -38,8 +38,8 @@ class MemoryRecorder:
         self._chunks: list[np.ndarray] = []
 
     def take(self, records: np.ndarray) -> None:
-        """Copy the next rows, shape (n,), dtype `signals.ROW`."""
-        self._chunks.append(records.copy())
+        """Keep the next rows, shape (n,), dtype `signals.ROW`."""
+        self._chunks.append(records)
 
     def records(self) -> np.ndarray:
         """Return all rows so far, shape (N,), dtype `signals.ROW`."""

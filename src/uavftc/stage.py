@@ -143,15 +143,13 @@ class Program:
             self._parts = []
         with compile_cache():
             self._run = _compiled_run_rows()
+        self.run: Callable[[np.ndarray, int, int], int] = (
+            self._run_in_parts if self._parts else functools.partial(self._run, self._table)
+        )
+        """run(rows, first, last): run all blocks on rows `first` to `last - 1`, shape (n, ROW_WIDTH).
 
-    def run(self, rows: np.ndarray, first: int, last: int) -> int:
-        """Run all blocks on rows `first` to `last - 1` of `rows`, shape (n, ROW_WIDTH).
-
-        Returns the index of the row at which a block set `status`, or `last`.
+        Returns the index of the row at which a block set `status`, or `last`. Bound once: it is called every sample.
         """
-        if self._parts:
-            return self._run_in_parts(rows, first, last)
-        return self._run(self._table, rows, first, last)
 
     def _run_in_parts(self, rows: np.ndarray, first: int, last: int) -> int:
         run = self._run

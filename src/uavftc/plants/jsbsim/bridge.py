@@ -33,11 +33,11 @@ COMMAND_PARAMS = np.dtype(
 )
 COMMAND_STATE = np.dtype(
     [
-        ("surface", "f8", (3,)),  # command, in its own unit
-        ("surface_late", "f8", (3,)),
+        ("surface_late", "f8", (3,)),  # command, in its own unit
+        ("throttle", "f8"),  # command, 0..1
         ("moment_lbsft", "f8", (3,)),
         ("wind_fps", "f8", (3,)),
-        ("throttle", "f8"),  # command, 0..1
+        ("surface", "f8", (3,)),  # command until the switch inside a sample
         ("integral", "f8"),  # of the airspeed hold, in throttle
     ]
 )

@@ -37,7 +37,11 @@ CONTACT = "forces/fbz-gear-lbs"
 
 _OFFSET = ROW.fields["x1"][1]  # type: ignore[index]
 _READ = struct.Struct(f"{len(STATE_PROPERTIES) + 2}d")
-_WRITE = struct.Struct("13d")
+_ALWAYS, _VECTOR = struct.Struct("4d"), struct.Struct("3d")
+_AT_MOMENT, _AT_WIND, _AT_EARLY = (
+    bridge.COMMAND_STATE.fields[name][1]  # type: ignore[index]
+    for name in ("moment_lbsft", "wind_fps", "surface")
+)
 
 INTEGRATORS = {
     "simulation/integrator/rate/rotational": 4,
@@ -154,13 +158,14 @@ class JSBSimPlant:
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
         step, run = program.run, self.fdm.run
-        pack, unpack = _READ.pack_into, _WRITE.unpack_from
+        pack, unpack, vector = _READ.pack_into, _ALWAYS.unpack_from, _VECTOR.unpack_from
         buffer, out = rows.data.cast("B"), self._command.state.data.cast("B")
         phi, theta, psi, p, q, r, v, h, alpha, beta, throttle, contact = self._get
         set_a, set_e, set_r = self._set_surface
         parts = self._early_parts
-        whole = parts[0] == 0.0
+        whole, single = parts[0] == 0.0, parts == [0.0]
         moment, wind, throttles = self._set_moment, self._set_wind, self._set_throttle
+        set_l, set_m, set_n = moment or (None, None, None)
         for k in range(first, last):
             pack(
                 buffer, k * ROW.itemsize + _OFFSET,
@@ -168,18 +173,24 @@ class JSBSimPlant:
             )  # fmt: skip
             if step(rows, k, k + 1) == k:
                 return k
-            a0, e0, r0, a1, e1, r1, m_l, m_m, m_n, w_n, w_e, w_d, thrust = unpack(out)
+            a1, e1, r1, thrust = unpack(out)
             if moment is not None:
-                moment[0](m_l), moment[1](m_m), moment[2](m_n)
+                l, m, n = vector(out, _AT_MOMENT)
+                set_l(l), set_m(m), set_n(n)
             if wind is not None:
-                wind[0](w_n), wind[1](w_e), wind[2](w_d)
+                for set_wind, speed in zip(wind, vector(out, _AT_WIND), strict=True):
+                    set_wind(speed)
             for set_throttle in throttles:
                 set_throttle(thrust)
             if whole:
                 set_a(a1), set_e(e1), set_r(r1)
-                for _ in parts:
+                if single:
                     run()
+                else:
+                    for _ in parts:
+                        run()
             else:
+                a0, e0, r0 = vector(out, _AT_EARLY)
                 for early in parts:
                     late = 1.0 - early
                     set_a(early * a0 + late * a1), set_e(early * e0 + late * e1), set_r(early * r0 + late * r1)
