@@ -38,6 +38,8 @@ class Flight:
     scenario: Scenario
     """As flown: what the scenario left to the aircraft is filled in."""
     aircraft: Aircraft
+    model: TrimmedModel | None
+    """Of the aircraft at its trim; None where the companion file's rotational model is flown without one."""
     plant: Plant
     program: Program
     inputs: Inputs
@@ -75,7 +77,7 @@ def build_flight(scenario: Scenario) -> Flight:
         envelope.stage.block(watch),
         *plant.after(),
     ]
-    return Flight(scenario, aircraft, plant, Program(blocks), inputs, watch, scenario.steps)
+    return Flight(scenario, aircraft, model, plant, Program(blocks), inputs, watch, scenario.steps)
 
 
 def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
@@ -90,15 +92,20 @@ def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
     """
     if scenario.plant == "analytic" and aircraft.analytic is not None and aircraft.mass_properties is not None:
         return None
-    own = aircraft.initial
-    altitude = scenario.initial.altitude_m or (own.altitude_m if own else ALTITUDE_M)
-    airspeed = scenario.initial.airspeed_mps or (own.airspeed_mps if own else None)
+    airspeed, altitude = condition_of(scenario, aircraft)
     if airspeed is None:
         return choose_airspeed(scenario, aircraft, trimmed_models(aircraft, altitude))
     model = trimmed_model(aircraft, airspeed, altitude)
     if aircraft.analytic is None:
         refuse_unflyable(scenario, aircraft, model)
     return model
+
+
+def condition_of(scenario: Scenario, aircraft: Aircraft) -> tuple[float | None, float]:
+    """Return airspeed, m/s, and altitude, m, of the scenario or else the aircraft's own; None is to be chosen."""
+    own = aircraft.initial
+    altitude = scenario.initial.altitude_m or (own.altitude_m if own else ALTITUDE_M)
+    return scenario.initial.airspeed_mps or (own.airspeed_mps if own else None), altitude
 
 
 def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
@@ -130,14 +137,26 @@ def choose_airspeed(scenario: Scenario, aircraft: Aircraft, models: Sequence[Tri
     InputError
         If none has enough.
     """
-    flyable = []
-    for model in models:
-        found = obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
-        flyable.append(-1.0 if found else float(np.min(authority_of(scenario, model).ratio)))
-    ample = [i for i, ratio in enumerate(flyable) if ratio >= AMPLE]
-    best = models[ample[0] if ample else int(np.argmax(flyable))]
+    best = best_model(scenario, models)
     refuse_unflyable(scenario, aircraft, best)
     return best
+
+
+def best_model(scenario: Scenario, models: Sequence[TrimmedModel]) -> TrimmedModel:
+    """Return the model at the lowest airspeed with ample authority, or else with the most, flyable or not."""
+    ratios = []
+    for model in models:
+        found = obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
+        ratios.append(-1.0 if found else float(np.min(authority_of(scenario, model).ratio)))
+    ample = [i for i, ratio in enumerate(ratios) if ratio >= AMPLE]
+    return models[ample[0] if ample else int(np.argmax(ratios))]
+
+
+def reasons_against(scenario: Scenario, model: TrimmedModel) -> list[str]:
+    """Return why the controller cannot fly an aircraft at a trim; empty if it can."""
+    limits, nonlinearity = np.array(model.limits_rad), np.array(model.nonlinearity)
+    found = obstacles(model.B_rates, limits, nonlinearity, None)
+    return found or obstacles(model.B_rates, limits, nonlinearity, authority_of(scenario, model).ratio)
 
 
 def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel) -> None:
@@ -148,10 +167,7 @@ def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
     InputError
         If a surface does not respond, B is ill-conditioned, or an axis has too little authority for the reference.
     """
-    limits, nonlinearity = np.array(model.limits_rad), np.array(model.nonlinearity)
-    found = obstacles(model.B_rates, limits, nonlinearity, None)
-    found = found or obstacles(model.B_rates, limits, nonlinearity, authority_of(scenario, model).ratio)
-    if found:
+    if found := reasons_against(scenario, model):
         airspeed = model.trim["airspeed"]
         raise InputError(
             f"aircraft {aircraft.name}, at {airspeed:g} m/s and {model.trim['altitude']:g} m",
@@ -230,27 +246,30 @@ def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing
     """Return the rotational model: the companion file's, or the one measured on JSBSim at the trim."""
     from uavftc.plants.analytic import AnalyticPlant  # noqa: PLC0415
 
+    inertia, A_l, B_m = rotational_model(aircraft, model)
     if model is None:
-        assert aircraft.analytic is not None  # or there would be a trimmed model
-        assert aircraft.mass_properties is not None
         stops = np.array([s.stop_rad or np.inf for s in aircraft.surface_list()])
-        return AnalyticPlant(
-            np.array(aircraft.mass_properties.inertia_kgm2),
-            np.array(aircraft.analytic.A_l),
-            np.array(aircraft.analytic.B_m),
-            timing,
-            u_limits=np.column_stack([-stops, stops]),
-        )
-    inertia = np.array(model.inertia_kgm2)
-    inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0  # eq. (2) knows no other product of inertia than J_xz
+        return AnalyticPlant(inertia, A_l, B_m, timing, u_limits=np.column_stack([-stops, stops]))
     return AnalyticPlant(
         inertia,
-        model.A_rates,
-        model.B_rates,
+        A_l,
+        B_m,
         timing,
         x1_trim=np.array([model.trim["phi"], model.trim["theta"], 0.0]),
         u_limits=np.array(model.limits_rad),
     )
+
+
+def rotational_model(aircraft: Aircraft, model: TrimmedModel | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return J, kg m^2, A_l, 1/s, and B_m, 1/s^2, of the analytic plant, shape (3, 3) each."""
+    if model is None:
+        assert aircraft.analytic is not None  # or there would be a trimmed model
+        assert aircraft.mass_properties is not None
+        inertia = np.array(aircraft.mass_properties.inertia_kgm2)
+        return inertia, np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)
+    inertia = np.array(model.inertia_kgm2)
+    inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0  # eq. (2) knows no other product of inertia than J_xz
+    return inertia, model.A_rates, model.B_rates
 
 
 def _rows(matrix: np.ndarray) -> tuple[tuple[float, ...], ...]:

@@ -19,6 +19,7 @@ from uavftc.build import Flight
 from uavftc.control.inner import l1
 from uavftc.control.outer import ndi, nndo
 from uavftc.plants import analytic
+from uavftc.stage import Block
 
 SIZE = 51
 DEG = np.pi / 180.0
@@ -53,7 +54,7 @@ PARAMS = np.dtype(
 
 def parameters(flight: Flight, x1_c: np.ndarray) -> np.ndarray:
     """Return one record of PARAMS, shape (1,), of an analytic flight of scenario 2 with the command x1_c, (3,), rad."""
-    blocks = {id(block.stage): block.params[0] for block in flight.program.blocks if hasattr(block, "stage")}
+    blocks = {id(block.stage): block.params[0] for block in flight.program.blocks if isinstance(block, Block)}
     inner, outer, observer = (blocks[id(m.stage)] for m in (l1, ndi, nndo))
     plant = blocks[id(analytic.stage)]
     limits = flight.scenario.limits_rad()

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import sys
-from typing import Any
+from typing import Any, NoReturn
 
 import typer
 
 from uavftc import __version__
+from uavftc.cli.aircraft import aircraft
+from uavftc.cli.bench import bench
 from uavftc.cli.compare import compare
 from uavftc.cli.design import design
 from uavftc.cli.fly import fly
 from uavftc.cli.outcome import exit_codes
+from uavftc.cli.process import run
 from uavftc.cli.reproduce import reproduce
 
 _SETTINGS: dict[str, Any] = {
@@ -24,8 +26,10 @@ _SETTINGS: dict[str, Any] = {
 umbrella = typer.Typer(name="uavftc", no_args_is_help=True, **_SETTINGS)
 umbrella.command("fly")(exit_codes(fly))
 umbrella.command("design")(exit_codes(design))
+umbrella.command("aircraft")(exit_codes(aircraft))
 umbrella.command("reproduce")(exit_codes(reproduce))
 umbrella.command("compare")(exit_codes(compare))
+umbrella.command("bench")(exit_codes(bench))
 
 single = typer.Typer(name="uavftc-fly", **_SETTINGS)
 single.command()(exit_codes(fly))
@@ -44,11 +48,11 @@ def _umbrella(
     """Fault-tolerant flight control on JSBSim: does this controller survive that fault?"""
 
 
-def main() -> None:
+def main() -> NoReturn:
     """Entry point of `uavftc`."""
-    sys.exit(umbrella())
+    run(umbrella)
 
 
-def main_fly() -> None:
+def main_fly() -> NoReturn:
     """Entry point of `uavftc-fly`."""
-    sys.exit(single())
+    run(single)

@@ -59,7 +59,8 @@ def authority(
     beta = -A[4, 7] * step[0] / A[4, 4] if abs(A[4, 4]) > 1e-6 else 0.0
     moments = np.array([A[5, 4], A[2, 4], A[6, 4]]) * beta
     steady = -np.linalg.solve(B_rates, moments)
-    return Authority(first, steady, np.maximum(np.min(np.abs(limits), axis=1), 0.0), float(beta))
+    available = np.maximum(np.minimum(-limits[:, 0], limits[:, 1]), 0.0)
+    return Authority(first, steady, available, float(beta))
 
 
 def obstacles(B: np.ndarray, limits: np.ndarray, nonlinearity: np.ndarray, ratio: np.ndarray | None) -> list[str]:

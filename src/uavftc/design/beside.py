@@ -15,7 +15,7 @@ from uavftc.analysis.reference_system import (
     replay,
     simulate,
 )
-from uavftc.build import Flight, build_flight, inner_blocks
+from uavftc.build import Flight, build_flight, inner_blocks, rotational_model
 from uavftc.control.gains import reference_gain
 from uavftc.errors import InputError
 from uavftc.flight import fly_to_memory
@@ -75,7 +75,8 @@ def _flown(flight: Flight) -> dict[str, Any]:
 
 def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: dict[str, Any]) -> dict[str, Any]:
     """Return the reference system, printed and with A_m, beside a flight on the analytic plant."""
-    inner, model = l1_of(inner_of(flight.scenario), flight.scenario), flight.aircraft.analytic
+    inner = l1_of(inner_of(flight.scenario), flight.scenario)
+    inertia, A_l, B_l = rotational_model(flight.aircraft, flight.model)
     A_m, B_m, k = np.array(inner.A_m), np.array(inner.B_m), inner.filter_bandwidth
     A_s = A_m + np.array(inner.K_1)
     K_2 = reference_gain(A_s, B_m)
@@ -83,9 +84,9 @@ def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: 
     eta = lumped_disturbance(
         records,
         state.v_ad,
-        inertia=np.array(flight.aircraft.mass_properties.inertia_kgm2),
-        A_l=np.array(model.A_l),
-        B_l=np.array(model.B_m),
+        inertia=inertia,
+        A_l=A_l,
+        B_l=B_l,
         A_m=A_m,
         B_m=B_m,
     )

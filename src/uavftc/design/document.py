@@ -1,7 +1,9 @@
 """A design as numbers: trim, linear pair, gains, L1 norms, and the bounds of the paper's theorems where they exist.
 
-The document is what `uavftc design --json` prints. Where a number does not exist it is None, and a `reason` beside it
-says why. Names ending in `_A_m` are the figures with A_m, the matrix of the plant (27), in the place of A_s.
+The document is what `uavftc design --json` prints. What the trim and the linear model of JSBSim say is put together in
+`trimmed.py`, what a flight adds in `beside.py`, and what the theory says of the inner loop here. Where a number does
+not exist it is None, and a `reason` beside it says why. Names ending in `_A_m` are the figures with A_m, the matrix of
+the plant (27), in the place of A_s.
 """
 
 from __future__ import annotations
@@ -11,14 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.aircraft import Aircraft, load_aircraft
+from uavftc.aircraft import load_aircraft
 from uavftc.analysis.l1_condition import ACCURACY, Given, Norms, condition_33, norms_of, theorem_2, theorem_3
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
 from uavftc.design.beside import flight_document, inner_of, l1_of
+from uavftc.design.trimmed import design_model, trimmed_sections
 from uavftc.errors import InputError
 from uavftc.scenario.controllers import L1Inner
+from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
+DEFAULT_SCENARIO = "scenario1"
+INVERTIBLE = 1e8  # condition number of B_m up to which the schema takes one
+NO_INVERSE = "B_m has no inverse: not every axis answers to its surface"
 _NORMS = {
     "l1_norm_H": "H",
     "l1_norm_G": "G",
@@ -45,8 +52,8 @@ def design_document(
     aircraft_name
         As `load_aircraft`.
     scenario
-        Controller and initial condition are taken from it; default: those of `flight`, or the paper's controller and
-        the aircraft's own condition.
+        Controller, initial condition and reference are taken from it; default: those of `flight`, or of
+        `DEFAULT_SCENARIO`, which is the paper's controller, the aircraft's own condition, and 5 deg on each axis.
     flight
         Flown, and compared with the bounds; its controller must be that of `scenario`, where both are given.
     given
@@ -57,12 +64,13 @@ def design_document(
     Raises
     ------
     InputError
-        If the aircraft cannot be loaded or trimmed, or the inner loop is not L1.
+        If the aircraft cannot be loaded or trimmed, or the inner loop is not L1. An aircraft that trims and that the
+        controller cannot fly is no error here: its `verdict` is `refused`, with the `reasons`.
     """
     given = given or Given()
-    source = scenario or flight
     aircraft = load_aircraft(aircraft_name, "AIRCRAFT")
-    inner = l1_of(L1Inner() if source is None else inner_of(source), source)
+    source = scenario or flight or load_scenario(DEFAULT_SCENARIO, aircraft=aircraft_name)
+    inner = l1_of(inner_of(source), source)
     if scenario is not None and flight is not None and inner_of(flight) != inner:
         raise InputError(
             f"--flight {flight.name}",
@@ -70,20 +78,31 @@ def design_document(
             expected="one design: its bounds, and a flight with it",
             remedy="leave --scenario out; the design is then that of the flight",
         )
+    model = design_model(source, aircraft)
+    document: dict[str, Any] = {"aircraft": aircraft.name, **trimmed_sections(source, model)}
+    B_m = np.array(inner.B_m or (aircraft.analytic.B_m if aircraft.analytic else model.B_rates))
+    document |= theory(inner, model.A_rates, B_m, given, omega)
+    if flight is not None:
+        document["flight"] = flight_document(flight)
+    return plain(document)
+
+
+def theory(
+    inner: L1Inner, A: np.ndarray, B_m: np.ndarray, given: Given, omega: tuple[float, float, float]
+) -> dict[str, Any]:
+    """Return gains, norms and bounds of an inner loop on a plant x2' = A x2 + B_m u; what has no B_m^-1 is None."""
     A_m, K_1, Q = np.array(inner.A_m), np.array(inner.K_1), np.array(inner.Q)
-    B_m = np.array(aircraft.analytic.B_m if inner.B_m is None else inner.B_m)
     A_s = A_m + K_1
     P = lyapunov_P(A_s, Q)
-    K = reference_gain(A_m if inner.reference_gain == "plant" else A_s, B_m)
-    document: dict[str, Any] = {"aircraft": aircraft.name}
-    trim, A, B = linear_pair(aircraft, source)
-    document |= {"trim": trim, "A": A, "B": B, "B_m": B_m, "A_m": A_m, "K_1": K_1, "A_s": A_s, "Q": Q}
+    invertible = bool(np.linalg.cond(B_m) < INVERTIBLE)
+    K = reference_gain(A_m if inner.reference_gain == "plant" else A_s, B_m) if invertible else None
+    document: dict[str, Any] = {"B_m": B_m, "A_m": A_m, "K_1": K_1, "A_s": A_s, "Q": Q}
     document |= {
         "reference_gain": inner.reference_gain,
         "K": K,
-        "K_2": reference_gain(A_s, B_m),
+        "K_2": reference_gain(A_s, B_m) if invertible else None,
         "K_0": np.array(inner.K_0),
-        "K_0_matching_A": erzberger_K_0(A, A_m, B_m),
+        "K_0_matching_A": erzberger_K_0(A, A_m, B_m) if invertible else None,
         "P": P,
         "lyapunov_residual": float(np.max(np.abs(A_s.T @ P + P @ A_s + Q))),
         "eigenvalues_A_m": _pairs(A_m),
@@ -95,6 +114,9 @@ def design_document(
         **given._asdict(),
     }
     for suffix, matrix in (("", A_s), ("_A_m", A_m)):
+        if K is None:
+            document |= bounds(None, given, suffix, NO_INVERSE)
+            continue
         try:
             norms = norms_of(
                 matrix, A_s=A_s, B_m=B_m, K=K, filter_bandwidth=inner.filter_bandwidth, omega=np.array(omega)
@@ -104,42 +126,7 @@ def design_document(
         else:
             document |= bounds(norms, given, suffix)
     document["theorem_2"] = _theorem_2(A_s, B_m, Q)
-    if flight is not None:
-        document["flight"] = flight_document(flight)
-    return plain(document)
-
-
-def linear_pair(aircraft: Aircraft, scenario: Scenario | None) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
-    """Return the trim on JSBSim, and A, 1/s, and B, 1/s^2, of the body rates there, each shape (3, 3)."""
-    from uavftc.plants.jsbsim.linearise import control_matrix, state_matrix  # noqa: PLC0415
-    from uavftc.plants.jsbsim.plant import TRIM_FRAME_S, initialised  # noqa: PLC0415
-    from uavftc.plants.jsbsim.probe import ensure_loads  # noqa: PLC0415
-    from uavftc.plants.jsbsim.trim import trim_level  # noqa: PLC0415
-
-    ensure_loads(aircraft)
-    initial = aircraft.initial if scenario is None else scenario.initial
-    fdm = initialised(aircraft, TRIM_FRAME_S)
-    trim = trim_level(
-        fdm,
-        aircraft,
-        initial.airspeed_mps or aircraft.initial.airspeed_mps,
-        initial.altitude_m or aircraft.initial.altitude_m,
-    )
-    B = control_matrix(fdm, aircraft)
-    A = state_matrix(fdm, aircraft, trim)
-    return (
-        {
-            "airspeed_mps": trim.airspeed,
-            "altitude_m": trim.altitude,
-            "alpha_rad": trim.alpha,
-            "theta_rad": trim.alpha,  # level: the path angle is zero
-            "elevator_rad": trim.elevator,
-            "throttle": trim.throttle,
-            "residual": dict(zip(("u_dot_mps2", "w_dot_mps2", "q_dot_radps2"), trim.residual, strict=True)),
-        },
-        A,
-        B,
-    )
+    return document
 
 
 def bounds(norms: Norms | None, given: Given, suffix: str, reason: str | None = None) -> dict[str, Any]:

@@ -1,6 +1,7 @@
-"""Linear model of a JSBSim aircraft at its trim, by central differences with actuators and engines settled.
+"""Linear model of a JSBSim aircraft at its trim, by central differences with actuators settled.
 
-The vehicle is frozen: a state is placed, the frames run until actuators stand still, and the accelerations are read.
+The vehicle is frozen: a state is placed and a few frames run, or a surface is moved and all comes to rest, and the
+accelerations are read. A propeller keeps the speed it has at the trim for those few frames, and its thrust has not.
 The response to each surface is taken at two step sizes; where they differ, it is not linear in the small.
 """
 
@@ -60,7 +61,7 @@ def linearise(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim) -> Linear:
     columns: dict[str, np.ndarray] = {}
     for name, key in PLACED.items():
         step = SPEED_STEP if name == "V" else RATE_STEP
-        columns[name] = (response(**{key: step}) - response(**{key: -step})) / (2.0 * step)
+        columns[name] = (response(**{key: step}) - response(**{key: -step})) / (2.0 * step)  # type: ignore[arg-type]
     for i, name in enumerate("pqr"):
         unit = [0.0, 0.0, 0.0]
         unit[i] = RATE_STEP

@@ -210,7 +210,7 @@ def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
         f"aircraft {aircraft.name}, {aircraft.xml}",
         found=": ".join([found, *told[:1]]),
         expected="an aircraft that JSBSim loads and runs",
-        remedy="look for a property or operator name that does not exist, in the part you changed last",
+        remedy="look for a name that does not exist or a function that uses itself, in the part you changed last",
     )
 
 
@@ -234,7 +234,8 @@ def main(reference: str, altitude: str, *speeds: str) -> None:
     else:
         told = {key: getattr(refusal, key) for key in ("where", "found", "expected", "remedy")}
         if len(speeds) > 1 and isinstance(refusal, NoTrimError):
-            told["where"] = f"aircraft {aircraft.name}, trim at {speeds[0]} to {speeds[-1]} m/s and {altitude} m"
+            slow, fast, high = float(speeds[0]), float(speeds[-1]), float(altitude)
+            told["where"] = f"aircraft {aircraft.name}, trim at {slow:g} to {fast:g} m/s and {high:g} m"
         # what does not load is told with its path, and the next file of the same content has another
         print(json.dumps({"error": told, "lasting": isinstance(refusal, NoTrimError)}))
     sys.stdout.flush()

@@ -1,0 +1,53 @@
+"""The figures of a benchmark for reading."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+
+def figures_of(document: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield every figure of the document of `uavftc bench --json` with its full name."""
+    for name, told in document.items():
+        if not isinstance(told, dict) or name == "machine":
+            continue
+        if "median" in told:
+            yield name, told
+        else:
+            yield from ((f"{name}.{part}", figure) for part, figure in told.items())
+
+
+def print_figures(console: Console, document: dict[str, Any]) -> None:
+    """Print figure, median, spread, bar, and whether it is met."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for header in ("", "median", "least", "most", "bar", "met"):
+        table.add_column(header, justify="right" if header else "left", no_wrap=True)
+    reasons = []
+    for name, told in figures_of(document):
+        if told["median"] is None:
+            table.add_row(Text(name), "-", "-", "-", "", "")
+            reasons.append(f"{name}: {told['reason']}")
+            continue
+        bar = next(
+            (f"{sign} {told[key]:g}" for key, sign in (("at_most", "<="), ("at_least", ">=")) if key in told), ""
+        )
+        met = Text({True: "yes", False: "no"}[told["met"]], "green" if told["met"] else "red") if bar else Text("")
+        table.add_row(Text(name), *map(_short, (told["median"], *told["spread"])), bar, met)
+    console.print(table)
+    for reason in reasons:
+        console.print(Text(reason), soft_wrap=True)
+    machine = document["machine"]
+    told_machine = (
+        f"{document['rounds']} rounds; {machine['system']}, {machine['cores']} cores; python {machine['python']}, "
+        f"jsbsim {machine['jsbsim']}, numba {machine['numba']}"
+    )
+    console.print(Text(told_machine), soft_wrap=True)
+
+
+def _short(value: float) -> str:
+    return f"{value:.4g}" if abs(value) < 1000.0 else f"{value:.0f}"

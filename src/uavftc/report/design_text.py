@@ -1,0 +1,188 @@
+"""The design document for reading, in 80 to 100 columns. Plain ASCII of our own, so that it prints anywhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from uavftc.report.fleet_table import times
+from uavftc.signals import AXES, SURFACES
+
+Line = Callable[..., None]
+
+METHODS = {
+    "jsbsim": "JSBSim's own trim",
+    "own": "the project's own trim",
+    "glide": "a glide, no engines",
+}
+
+
+def print_design(console: Console, document: dict[str, Any]) -> None:
+    """Print the document of `uavftc.design.document.design_document`."""
+
+    def line(text: str, style: str = "") -> None:
+        console.print(Text(text, style=style))
+
+    _print_trimmed(console, line, document)
+    _print_loop(console, line, document)
+    for flown in document.get("flight", {}).get("flights", ()):
+        _print_flight(line, document["flight"]["scenario"], flown)
+
+
+def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> None:
+    trim, refused = document["trim"], document["verdict"] == "refused"
+    line(f"{document['aircraft']}: {document['verdict']}", "bold red" if refused else "bold")
+    for reason in document["reasons"]:
+        line(f"  {reason}", "red")
+    console.print(
+        _pairs(
+            ("trim", f"{trim['airspeed_mps']:g} m/s, {trim['altitude_m']:g} m ({METHODS[trim['method']]})"),
+            ("", f"{_attitude(trim)}, throttle {trim['throttle']:.4f}"),
+            ("", "deflections " + ", ".join(f"{name} {_deg(trim[f'{name}_rad'])}" for name in SURFACES) + " deg"),
+            ("", f"largest acceleration left {max(map(abs, trim['residual'].values())):.1e} (SI)"),
+            ("mass", f"{document['mass_kg']:.6g} kg, {_engines(document['engines'])}"),
+        )
+    )
+    table = _table("mode", "eigenvalue\n[1/s]", "frequency\n[rad/s]", "damping\n", "time\nconstant [s]")
+    for mode in document["modes"]:
+        real, imaginary = mode["eigenvalue"]
+        periodic = imaginary != 0.0
+        cells = (
+            mode["name"],
+            complex_text(real, imaginary, "+/-"),
+            f"{mode['natural_frequency_radps']:.4g}" if periodic else "-",
+            f"{mode['damping']:.3f}" if periodic else "-",
+            "-" if mode["time_constant_s"] is None else f"{mode['time_constant_s']:.4g}",
+        )
+        table.add_row(*map(Text, cells), style="red" if real > 0.0 else "")
+    console.print(table)
+    authority, controllability = document["authority"], document["controllability"]
+    limits = document["limits_rad"]
+    table = _table("", "limits\n[deg]", "step\n[deg]", "at once\n[deg]", "held\n[deg]", "authority\n")
+    for j, (axis, surface) in enumerate(zip(AXES, SURFACES, strict=True)):
+        found = authority[axis]
+        row = [f"{axis} ({surface})", " .. ".join(_deg(v) for v in limits[j]), _deg(authority["step_rad"][j])]
+        if found is None:
+            row += ["-"] * 3
+        else:
+            row += [_deg(found["first_rad"]), _deg(found["steady_rad"]), times(found["ratio"])]
+        table.add_row(*map(Text, row), style="" if found and found["ratio"] >= 1.0 else "red")
+    console.print(table)
+    if unknown := [n for n, measured in zip(SURFACES, document["deflection_measured"], strict=True) if not measured]:
+        line(f"deflection not reported by the aircraft, full command counts as 20 deg: {', '.join(unknown)}")
+    condition = controllability["condition"]
+    rank = f"rate loop: rank {controllability['rank']} of 3, condition of B "
+    rank += "-" if condition is None else f"{condition:.4g}"
+    line(f"{rank} (at most {controllability['condition_max']:g})")
+
+
+def _print_loop(console: Console, line: Line, document: dict[str, Any]) -> None:
+    line("\ninner loop", "bold")
+    matrices = (
+        ("A", "of p, q, r at the trim, 1/s"),
+        ("B", "of p, q, r at the trim, 1/s^2 per rad"),
+        ("A_m", "reference model, 1/s"),
+        ("A_s", "A_m + K_1, 1/s"),
+        ("K", f"reference gain ({document['reference_gain']}), rad per rad/s"),
+        ("K_0", "linear feedback, rad per rad/s"),
+        ("P", "of the Lyapunov equation"),
+    )
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_header=False)
+    for name, what in matrices:
+        rows = document[name] or []
+        text = "\n".join(" ".join(f"{fixed(value):>9}" for value in row) for row in rows) or "none"
+        table.add_row(Text(name, style="bold"), Text(text), Text(what))
+    console.print(table)
+    for name in ("A_m", "A_s"):
+        line(f"eigenvalues of {name}: {', '.join(complex_text(*pair) for pair in document[f'eigenvalues_{name}'])}")
+    table = _table("", "with A_s (printed)", "with A_m")
+    figures = (
+        ("||H||", "l1_norm_H"),
+        ("||G||", "l1_norm_G"),
+        ("||H C K||", "l1_norm_HCK"),
+        ("condition (33) holds", "condition_holds"),
+        ("largest Lipschitz constant", "lipschitz_max"),
+        ("gamma_1 [rad/s]", "gamma_1"),
+        ("gamma_2 [rad]", "gamma_2"),
+    )
+    for label, key in figures:
+        table.add_row(Text(label), *(Text(_cell(document[key + suffix])) for suffix in ("", "_A_m")))
+    console.print(table)
+    for key in ("condition_reason", "lipschitz_max_is", "reason"):
+        told = {document[key + suffix] for suffix in ("", "_A_m")} - {None}
+        for text in sorted(told):
+            line(f"{key.replace('_', ' ')}: {text}")
+    if document["theorem_2"]["reason"]:
+        line(f"no bound of Theorem 2: {document['theorem_2']['reason']}")
+
+
+def _print_flight(line: Line, scenario: str, flown: dict[str, Any]) -> None:
+    line(f"\n{scenario} on {flown['plant']}", "bold")
+    if not flown["completed"]:
+        line(f"ended early: {flown['ended_because']}", "red")
+    line(f"max |x2_tilde| {flown['gamma_0']:.3g} rad/s; max |r| {max(flown['max_r_radps']):.4g} rad/s")
+    for name, found in (flown["reference_system"] or {}).items():
+        bound = (flown["bounds"] or {}).get(name)
+        against = "" if bound is None else f" (gamma_1 {bound['gamma_1']:.3g})"
+        also = "" if bound is None else f" (gamma_2 {bound['gamma_2']:.3g})"
+        line(
+            f"reference system {name}: max |x_ref - x2| {found['largest_radps']:.3g} rad/s{against}, "
+            f"{100.0 * found['share_of_max_r']:.1f} % of max |r|; "
+            f"max |v_ref - v_ad| {found['largest_rad']:.3g} rad{also}"
+        )
+    for text in flown["assumptions_not_met"]:
+        line(f"assumption not met: {text}")
+    if flown["reason"]:
+        line(flown["reason"])
+
+
+def _table(*headers: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for header in headers:
+        table.add_column(Text(header), justify="left" if header in ("", "mode") else "right", no_wrap=True)
+    return table
+
+
+def _pairs(*rows: tuple[str, str]) -> Table:
+    table = Table.grid(padding=(0, 2))
+    for name, text in rows:
+        table.add_row(Text(name), Text(text))
+    return table
+
+
+def _attitude(trim: dict[str, Any]) -> str:
+    angles: Sequence[tuple[str, float]] = [(name, trim[f"{name}_rad"]) for name in ("alpha", "theta", "phi")]
+    path = "" if trim["method"] != "glide" else f", path {_deg(trim['gamma_rad'])}"
+    return ", ".join(f"{name} {_deg(value)}" for name, value in angles) + path + " deg"
+
+
+def _engines(count: int) -> str:
+    return {0: "no engine", 1: "1 engine"}.get(count, f"{count} engines")
+
+
+def _deg(value: float) -> str:
+    return f"{round(math.degrees(value), 3) + 0.0:.2f}"  # + 0.0: no minus before a zero
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return "-"
+    return ("yes" if value else "no") if isinstance(value, bool) else f"{value:.6g}"
+
+
+def fixed(value: float) -> str:
+    """Return a number with four decimals, zero without a sign."""
+    return f"{round(value, 4) + 0.0:.4f}"
+
+
+def complex_text(real: float, imaginary: float, sign: str = "") -> str:
+    """Return a complex number, or with `sign` "+/-" the pair it stands for."""
+    if not imaginary:
+        return fixed(real)
+    return f"{fixed(real)} {sign or ('+' if imaginary > 0 else '-')} {abs(imaginary):.4f}j"
