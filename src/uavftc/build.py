@@ -111,13 +111,16 @@ def condition_of(scenario: Scenario, aircraft: Aircraft) -> tuple[float | None, 
 def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
     """Return the authority of a trimmed model for the largest step of the scenario's reference."""
     controller = scenario.controller
-    own = isinstance(controller, OwnController)
+    # a controller of one's own states neither; the paper's stand for a step of ordinary haste
+    A_m, bandwidth = A_M, (0.5, 0.5, 0.5)
+    if not isinstance(controller, OwnController):
+        A_m, bandwidth = controller.inner.A_m, controller.outer.bandwidth
     return authority(
         np.array(model.A),
         np.array(model.B),
         np.array(model.limits_rad),
-        A_m=np.array(A_M if own else controller.inner.A_m),
-        bandwidth=np.full(3, 0.5) if own else np.array(controller.outer.bandwidth),
+        A_m=np.array(A_m),
+        bandwidth=np.array(bandwidth),
         step=largest_step(scenario),
     )
 

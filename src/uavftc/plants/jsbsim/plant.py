@@ -165,7 +165,6 @@ class JSBSimPlant:
         parts = self._early_parts
         whole, single = parts[0] == 0.0, parts == [0.0]
         moment, wind, throttles = self._set_moment, self._set_wind, self._set_throttle
-        set_l, set_m, set_n = moment or (None, None, None)
         for k in range(first, last):
             pack(
                 buffer, k * ROW.itemsize + _OFFSET,
@@ -175,8 +174,9 @@ class JSBSimPlant:
                 return k
             a1, e1, r1, thrust = unpack(out)
             if moment is not None:
-                l, m, n = vector(out, _AT_MOMENT)
-                set_l(l), set_m(m), set_n(n)
+                set_l, set_m, set_n = moment
+                roll, pitch, yaw = vector(out, _AT_MOMENT)
+                set_l(roll), set_m(pitch), set_n(yaw)
             if wind is not None:
                 for set_wind, speed in zip(wind, vector(out, _AT_WIND), strict=True):
                     set_wind(speed)

@@ -216,8 +216,7 @@ def start(
     fresh FDM, whether its trim was solved just now or before: flights are identical to the bit.
     """
     freeze(fdm)
-    state = {"airspeed": trim.airspeed, "altitude": trim.altitude, "alpha": trim.alpha, "theta": trim.theta}
-    place(fdm, **state, phi=trim.phi)
+    place(fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
     configure(fdm)
     command(fdm, aircraft, trim)
     if np.any(wind_n):
