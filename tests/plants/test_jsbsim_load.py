@@ -144,6 +144,7 @@ def test_a_typing_error_is_told_with_its_place(name, edited):
 
 def test_hale_loads_and_is_remembered(hale, own_cache, request):
     # A good aircraft passes, and the next process starts no child: a flight must not pay for one each time.
+    model._cached.cache_clear()  # of what this process knows already
     first = measured(hale)
     assert own_cache in model.cache_dir().parents
     assert len(kept(hale)) >= 1
