@@ -25,6 +25,7 @@ import numpy as np
 
 from uavftc.aircraft import stock_dir, stock_names
 from uavftc.errors import InputError
+from uavftc.plants.jsbsim.model import ALTITUDE_M, SPEEDS_MPS
 from uavftc.report.progress import stages
 from uavftc.signals import AXES
 
@@ -109,6 +110,7 @@ def page(found: Sequence[Survey]) -> str:
     """Return the Markdown page."""
     flown = [one for one in found if one["flights"]]
     refused = [one for one in found if not one["flights"]]
+    speeds, height = f"{SPEEDS_MPS[0]:g} to {SPEEDS_MPS[-1]:g} m/s", f"{ALTITUDE_M:g} m"
     good = [one for one in flown if within(one["flights"]["scenario1"], iae=MOST_IAE)]
     both = [one for one in good if within(one["flights"]["scenario3"], iae=None)]
     lines = [
@@ -131,6 +133,7 @@ def page(found: Sequence[Survey]) -> str:
         f"- **{len(both)}** of these also survive scenario 3 (faults on all three surfaces and disturbances): flown to "
         "the end, with a",
         f"  steady-state error <= {MOST_ERROR_DEG:g} deg on each axis.",
+        f"- Flown, and outside one of the two: {', '.join(one['name'] for one in flown if one not in both) or 'none'}.",
         "",
         "IAE [rad s] and steady-state error [deg] are given as roll / pitch / yaw, the largest airspeed change in m/s. "
         "`jsbsim` is",
@@ -152,7 +155,15 @@ def page(found: Sequence[Survey]) -> str:
             f"{third['airspeed_change_mps']:.1f}",
         ]  # fmt: skip
         lines.append(f"| {' | '.join(cells)} |")
-    lines += ["", "## Refused", "", "| aircraft | why |", "|---|---|"]
+    lines += [
+        "",
+        "## Refused",
+        "",
+        f"Airspeeds tried: {len(SPEEDS_MPS)}, from {speeds}, at {height}.",
+        "",
+        "| aircraft | why |",
+        "|---|---|",
+    ]
     lines += [f"| {one['name']} | {_plain(one['reason'])} |" for one in refused]
     return "\n".join(lines) + "\n"
 

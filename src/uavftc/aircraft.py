@@ -223,11 +223,13 @@ def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
     folder = _folder(aircraft, where)
     xml = folder / f"{folder.name}.xml"
     if not xml.is_file():
+        others = sorted(p.name for p in folder.glob("*.xml") if p.name != "flat_planet.xml")
+        rename = f"rename {others[0]} to {xml.name}" if len(others) == 1 else f"add {xml.name}"
         raise InputError(
             where,
             found=f"{folder}, without {xml.name}",
-            expected=f"a folder with the JSBSim model {xml.name}",
-            remedy=f"add {xml.name} (JSBSim wants the folder's name), or name another aircraft",
+            expected=f"a folder with the JSBSim model {xml.name}: JSBSim wants folder and model to have one name",
+            remedy=f"{rename}, or name another aircraft",
         )
     companion = folder / COMPANION
     if not companion.is_file():

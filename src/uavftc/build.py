@@ -57,9 +57,10 @@ def build_flight(scenario: Scenario) -> Flight:
     InputError
         If the aircraft does not exist, does not load, or cannot be trimmed.
     """
-    aircraft = load_aircraft(scenario.aircraft)
+    aircraft = load_aircraft(scenario.aircraft, f"key aircraft: {scenario.aircraft}")
     model = model_of(scenario, aircraft)
     scenario = resolved(scenario, aircraft, model)
+    check_start(scenario)
     timing, whole = timing_of(scenario)
     plant, inputs = make_plant(scenario, aircraft, model, timing)
     watch = params_of(
@@ -178,6 +179,25 @@ def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
             expected="three surfaces that respond, each mostly on its own axis, with authority for the reference",
             remedy="choose another initial.airspeed_mps, a smaller reference, or another aircraft "
             f"(uavftc design {aircraft.reference} shows the numbers)",
+        )
+
+
+def check_start(scenario: Scenario) -> None:
+    """Refuse an envelope that the flight would start outside of.
+
+    Raises
+    ------
+    InputError
+        If the initial airspeed is not inside the envelope of a resolved scenario.
+    """
+    low, high = scenario.envelope.min_airspeed_mps or 0.0, scenario.envelope.max_airspeed_mps or math.inf
+    airspeed = scenario.initial.airspeed_mps or 0.0
+    if scenario.plant == "jsbsim" and not low < airspeed < high:
+        raise InputError(
+            "key envelope",
+            found=f"an airspeed at the start of {airspeed:g} m/s, outside {low:g} to {high:g} m/s",
+            expected="a flight that starts inside its envelope",
+            remedy="change initial.airspeed_mps, envelope.min_airspeed_mps or envelope.max_airspeed_mps",
         )
 
 

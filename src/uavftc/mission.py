@@ -18,6 +18,7 @@ from uavftc.flight import Outcome, fly
 from uavftc.recorder import ParquetRecorder, read_history
 from uavftc.report.results import ResultFolder
 from uavftc.report.summary import provenance, summary, write_json
+from uavftc.report.table import title_of
 from uavftc.scenario.controllers import OwnController
 from uavftc.scenario.disturbances import Gust, Turbulence, Wind
 from uavftc.scenario.load import controller_name, scenario_text, warnings
@@ -71,15 +72,13 @@ def fly_mission(
         document = summary_of(flight, outcome, metrics, origin)
         write_json(folder.path / "summary.json", document)
         (folder.path / "scenario.yaml").write_text(text, encoding="utf-8", newline="\n")
-        stopped = False
         if figures:
             try:
                 draw(folder.path, flight, document)
             except KeyboardInterrupt:  # the flight is kept, without its figures
                 shutil.rmtree(folder.path / "figures", ignore_errors=True)
-                stopped = True
-    if stopped:
-        raise KeyboardInterrupt
+                outcome = outcome._replace(interrupted=True)
+                document["warnings"].append("interrupted while drawing: the flight is kept, without its figures")
     return document, outcome
 
 
@@ -131,8 +130,11 @@ def draw(folder: Path, flight: Flight, document: dict[str, Any]) -> None:
     end = scenario.duration_s
     edges = [(d.start_s, d.end_s) for d in scenario.disturbances if not isinstance(d, Turbulence)]
     changes = {end if edge is None else edge for pair in edges for edge in pair}
+    title = title_of(document)
+    if not document["completed"]:
+        title += f"\nLOST: {document['ended_because']}" if document["ended_because"] else "\nLOST"
     context = FigureContext(
-        title="{scenario}: {controller} on {aircraft}, {plant}".format(**document),
+        title=title,
         limits_rad=limits,
         faults=[
             FaultWindow(

@@ -24,6 +24,7 @@ class Metrics:
     """Metrics of a flight, from chunks of its rows in order; memory does not grow with the flight."""
 
     def __init__(self) -> None:
+        self._rows = 0
         self._last: np.ndarray | None = None
         self._integrals = np.zeros((4, 3))
         self._activity = np.zeros(3)
@@ -33,6 +34,7 @@ class Metrics:
         """Add the next rows: structured array of dtype `signals.ROW`, shape (n,)."""
         if not len(records):
             return
+        self._rows += len(records)
         self._converge(records)
         if self._last is not None:
             records = np.concatenate([self._last, records])
@@ -63,14 +65,15 @@ class Metrics:
         """
         last = self._last
         error = np.full(3, math.nan) if last is None else np.degrees(np.abs(attitude_error(last)))[0]
+        flown = completed or self._rows > 1  # of a flight lost where it began there is nothing to measure
         result: dict[str, dict[str, float | None]] = {}
         for i, axis in enumerate(AXES):
             values: dict[str, float | None] = {
                 "steady_state_error_deg": float(error[i]) if completed else None,
                 "convergence_time_s": self._converged_at[i] if completed else None,
             }
-            values |= {name: float(self._integrals[k, i]) for k, name in enumerate(INTEGRALS)}
-            values["control_activity_rad"] = float(self._activity[i])
+            values |= {name: float(self._integrals[k, i]) if flown else None for k, name in enumerate(INTEGRALS)}
+            values["control_activity_rad"] = float(self._activity[i]) if flown else None
             result[axis] = {k: v if v is None or math.isfinite(v) else None for k, v in values.items()}
         return result
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from uavftc.actuators import delay
 from uavftc.bench.flights import flown, jsbsim_plant, scenario
-from uavftc.bench.measure import Figure, Job, alternately, of, timed
+from uavftc.bench.measure import Figure, Job, alternately, computed, of, timed
 from uavftc.build import build_flight
 from uavftc.recorder import MemoryRecorder, ParquetRecorder
 from uavftc.sensors import gyro
@@ -44,7 +44,7 @@ def _one_by_one(program: Program, rows: np.ndarray) -> float:
         for k in range(len(rows)):
             run(rows, k, k + 1)
 
-    return timed(calls)
+    return computed(calls)
 
 
 class _NoProgram:
@@ -74,7 +74,7 @@ def bridge_io_us(rounds: int) -> Figure:
             frame.run()
 
     whole, empty = alternately(
-        rounds, lambda: timed(lambda: plant.run(cast(Any, program), rows, 0, len(rows))), lambda: timed(stand_ins)
+        rounds, lambda: computed(lambda: plant.run(cast(Any, program), rows, 0, len(rows))), lambda: computed(stand_ins)
     )
     del fdm  # until here the properties needed it
     return Figure([1e6 * (a - b) / len(rows) for a, b in zip(whole, empty, strict=True)])

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
-import io
-import warnings
 from typing import Any
 
 from uavftc.bench.flights import jsbsim_plant, scenario
 from uavftc.bench.loop import AIRCRAFT, closed_loop
-from uavftc.bench.measure import Figure, Job, NotMeasuredError, alternately, of, ratios, timed
+from uavftc.bench.measure import Figure, Job, NotMeasuredError, alternately, computed, of, ratios
 from uavftc.build import build_flight
 from uavftc.plants.jsbsim.moment import moment_name
 from uavftc.plants.jsbsim.plant import CONTACT, STATE_PROPERTIES
@@ -32,7 +29,7 @@ def peers(rounds: int) -> dict[str, Figure]:
 
 def _ours() -> tuple[Job, int]:
     flown = scenario("scenario3", plant="jsbsim", aircraft=AIRCRAFT["c172p"])
-    return closed_loop(flown), flown.steps + 1
+    return closed_loop(flown, computed), flown.steps + 1
 
 
 def _figure(theirs: list[float], ours: list[float], their_frames: int, frames: int, **details: Any) -> Figure:
@@ -66,7 +63,7 @@ def _property_loop(rounds: int) -> Figure:
                     fdm[name] = value
                 fdm.run()
 
-        return timed(frames_by_name)
+        return computed(frames_by_name)
 
     theirs, own = alternately(rounds, job, ours)
     return _figure(theirs, own, frames, frames, reads_a_frame=reads, writes_a_frame=writes)
@@ -80,21 +77,19 @@ def _jsbgym(rounds: int) -> Figure:
         )
     except ImportError:
         raise NotMeasuredError("jsbgym is not installed (pip install jsbgym)") from None
-    env = environment.JsbSimEnv(aircraft.c172, tasks.HeadingControlTask)
+    env = environment.NoFGJsbSimEnv(aircraft.c172, tasks.HeadingControlTask)
     action = 0.0 * env.action_space.sample()
     frames_a_step = int(env.sim_steps_per_agent_step)
 
     def job() -> float:
-        with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
-            warnings.simplefilter("ignore")
-            env.reset(seed=0)
+        env.reset(seed=0)
 
         def steps() -> None:
             for _ in range(GYM_STEPS):
                 if env.step(action)[2]:
                     env.reset()
 
-        return timed(steps)
+        return computed(steps)
 
     ours, frames = _ours()
     theirs, own = alternately(rounds, job, ours)

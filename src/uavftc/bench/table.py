@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+QUIET = 0.5  # load average at the start; above it something else was running
+
 
 def figures_of(document: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield every figure of the document of `uavftc bench --json` with its full name."""
@@ -47,6 +49,9 @@ def print_figures(console: Console, document: dict[str, Any]) -> None:
         f"jsbsim {machine['jsbsim']}, numba {machine['numba']}"
     )
     console.print(Text(told_machine), soft_wrap=True)
+    if (machine["load_average"] or 0.0) > QUIET:
+        busy = f"the machine was busy (load average {machine['load_average']:.1f}): measure again when it is not"
+        console.print(Text(busy, "yellow"), soft_wrap=True)
 
 
 def _short(value: float) -> str:

@@ -23,7 +23,7 @@ def fly(
     plant: Annotated[Optional[str], typer.Option(help="jsbsim or analytic.")] = None,  # noqa: UP045
     aircraft: Annotated[
         Optional[str],  # noqa: UP045
-        typer.Option(help="Name of a shipped aircraft, or the folder of one."),
+        typer.Option(help="Name of a shipped aircraft, a folder, or jsbsim:NAME."),
     ] = None,
     controller: Annotated[
         Optional[str],  # noqa: UP045
@@ -65,8 +65,10 @@ def fly(
         from uavftc.report.table import print_result  # noqa: PLC0415
 
         print_result(Console(), document, folder)
+    if outcome.interrupted:
+        raise typer.Exit(INTERRUPTED)
     if not outcome.completed:
-        raise typer.Exit(INTERRUPTED if outcome.interrupted else LOST)
+        raise typer.Exit(LOST)
 
 
 def default_folder(scenario: Scenario, *, named_aircraft: bool) -> Path:

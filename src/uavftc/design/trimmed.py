@@ -1,4 +1,4 @@
-"""The trimmed aircraft as numbers: trim, linear model, modes, controllability, authority, and whether it can be flown."""
+"""The trimmed aircraft as numbers: trim, linear model, modes, controllability, authority, and whether it is flyable."""
 
 from __future__ import annotations
 

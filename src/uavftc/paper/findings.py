@@ -175,7 +175,7 @@ def printed_gain(flights: Flights, plant: str) -> Finding:
         "The printed K_2 cannot have been flown",
         "K_2 = B_m^-1 A_s is the gain of a plant with A_s, and eq. (27) has A_m: even with the sign that makes it "
         "follow, the rates settle at A_m^-1 A_s r, which gives pitch 42 % of its command. Its score over the 48 "
-        f"figures is {score(all_rows):.3f}, against {score(rows_of(plant, paper)):.3f} with the default K = B_m^-1 A_m.",
+        f"figures is {score(all_rows):.3f}, against {score(rows_of(plant, paper)):.3f} with K = B_m^-1 A_m.",
         ("scenario", "axis", "IAE printed", "IAE, K of A_m", "IAE, printed K_2"),
         rows,
         f"uavftc-fly scenario2 --plant {plant} --set controller.inner.reference_gain=printed",

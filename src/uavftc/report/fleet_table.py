@@ -60,9 +60,9 @@ def count(rows: Sequence[dict[str, Any]]) -> str:
     known = [row for row in rows if row["measured"]]
     flyable = sum(row["flyable"] for row in known)
     trimmed = sum(row["trims"] for row in known)
-    text = f"{len(rows)} aircraft: the controller can fly {flyable}"
-    text += f"; {trimmed - flyable} trim but cannot be flown; {len(known) - trimmed} do not trim or load"
-    return text if len(known) == len(rows) else f"{text}; {len(rows) - len(known)} not measured yet"
+    text = f"{len(rows)} aircraft: {flyable} can be flown, {trimmed - flyable} trim but cannot be flown"
+    text += f", {len(known) - trimmed} do not trim or load"
+    return text if len(known) == len(rows) else f"{text}, {len(rows) - len(known)} not measured yet"
 
 
 def _cut(text: str, width: int) -> str:

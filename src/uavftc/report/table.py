@@ -29,8 +29,9 @@ ROWS = (
 
 def metric_table(summary: dict[str, Any]) -> Table:
     """Return the paper's six metrics and the control activity of a `summary.json` document, one column an axis."""
-    title = "{scenario}: {controller} on {aircraft}, {plant}".format(**summary)
-    table = Table(title=Text(title, style="bold"), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(
+        title=Text(title_of(summary), style="bold"), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False
+    )
     table.add_column("")
     for axis in AXES:
         table.add_column(axis, justify="right", min_width=11)
@@ -38,6 +39,11 @@ def metric_table(summary: dict[str, Any]) -> Table:
         cells = (cell(metric, summary["axes"][axis][metric], summary["completed"]) for axis in AXES)
         table.add_row(Text(label), *cells)  # as Text: "[deg]" would be taken for markup
     return table
+
+
+def title_of(summary: dict[str, Any]) -> str:
+    """Return what was flown, in one line; of an aircraft given as a path its folder's name."""
+    return "{scenario}: {controller} on {name}, {plant}".format(**summary, name=Path(summary["aircraft"]).name)
 
 
 def print_result(console: Console, summary: dict[str, Any], folder: Path | None) -> None:

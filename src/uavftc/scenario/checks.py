@@ -47,6 +47,11 @@ def warnings(scenario: Scenario) -> list[str]:
                 )
     if isinstance(scenario.controller, Controller) and not is_hurwitz(np.array(scenario.controller.inner.A_m)):
         lines.append("controller.inner.A_m: not Hurwitz, the body rates are asked to follow an unstable model")
+    controller = scenario.controller
+    if controller.delay_s >= scenario.duration_s:
+        lines.append("controller.delay_s: no shorter than the flight, so no command reaches a surface")
+    if isinstance(controller, Controller) and controller.inner.integration == "explicit" and controller.rate_hz < 1000:
+        lines.append("controller.inner.integration: explicit below 1000 Hz diverges; it is there to show that")
     return lines
 
 
