@@ -67,7 +67,7 @@ def test_for_reading_it_is_one_aligned_line_each(few):
     assert max(map(len, lines)) <= 100
     for name, line in zip(FEW, lines[2:], strict=False):
         assert line.startswith(name)
-    assert "flies it" in lines[3]
+    assert "yes (yaw 3.8 times)" in lines[3]
     assert "no property fcs/flaps-pos-deg" in lines[4]
     assert lines[-1] == "3 aircraft: 2 can be flown, 0 trim but cannot be flown, 1 do not trim or load"
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-HEADER = f"{'aircraft':<23}{'mass [kg]':>10}{'span [m]':>9}{'eng.':>5}  {'trim':<16}controller"
+HEADER = f"{'aircraft':<23}{'mass [kg]':>10}{'span [m]':>9}{'eng.':>5}  {'trim':<16}can be flown"
 _UNKNOWN = f"{'-':>10}{'-':>9}{'-':>5}  "
 _SHORTER = (
     (r"no steady flight: .*", "no steady flight found"),
@@ -14,7 +14,7 @@ _SHORTER = (
     (r"JSBSim does not finish loading and trimming it within", "does not load and trim within"),
     (r"JSBSim does not load it: (.* \| )?", "not loaded: "),
     (r"no small-signal (\w+) response: [^;]*", r"no \1 response"),
-    (r"; no (\w+) response", r", no \1"),
+    (r"no (\w+) response; no (\w+) response", r"no \1 or \2 response"),
     (r"the (\w+) response is not linear in the small.*", r"\1 response is not linear"),
 )
 
@@ -35,7 +35,7 @@ def line(row: dict[str, Any]) -> str:
     start += f"{'-' if row['span_m'] is None else format(row['span_m'], '.1f'):>9}{row['engines']:>5}"
     trim = f"{row['method']} {row['airspeed_mps']:g} m/s"
     if row["flyable"]:
-        verdict = f"flies it ({row['weakest_axis']} {times(row['ratio'])})"
+        verdict = f"yes ({row['weakest_axis']} {times(row['ratio'])})"
     elif row["ratio"] is not None and row["ratio"] < 1.0:
         verdict = f"no: {row['weakest_axis']} has {row['ratio']:.2f} of its need"
     else:
