@@ -13,8 +13,10 @@ import argparse
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from importlib import metadata
@@ -36,6 +38,7 @@ MOST_ERROR_DEG = 0.2  # deg, on each axis at the end
 PATIENCE_S = 600.0  # for loading and trimming one aircraft: the page must not tell how busy the machine was
 
 Survey = dict[str, Any]
+_stopped = threading.Event()
 
 
 def fly_one(name: str) -> Survey:
@@ -72,12 +75,17 @@ def fly_one(name: str) -> Survey:
 
 def in_child(name: str) -> Survey:
     """Return `fly_one` of a process of its own."""
+    if _stopped.is_set():
+        raise KeyboardInterrupt
     lost: Survey = {"name": name, "trim": None, "reason": None, "flights": {}}
     command = [sys.executable, __file__, "--one", name]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=2.0 * PATIENCE_S)
     except subprocess.TimeoutExpired:
         return lost | {"reason": f"not flown within {2.0 * PATIENCE_S:g} s"}
+    if done.returncode == -signal.SIGINT or "(SIGINT)" in done.stdout:  # Ctrl-C reached it before us
+        _stopped.set()
+        raise KeyboardInterrupt
     if done.returncode != 0:
         told = [line for line in done.stderr.splitlines() if line.strip()][-1:] or [f"exit code {done.returncode}"]
         return lost | {"reason": f"the process that flies it ended abnormally: {told[0]}"}
@@ -93,6 +101,7 @@ def survey(names: Sequence[str]) -> list[Survey]:
                 found[future.result()["name"]] = future.result()
                 show(len(found), len(names), "flying every aircraft")
         except BaseException:
+            _stopped.set()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return [found[name] for name in names]

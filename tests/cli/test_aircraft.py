@@ -98,13 +98,13 @@ CTRL_C = """
 import sys
 from uavftc.design import fleet
 from uavftc.cli.app import main
-import subprocess, time
+import subprocess
 fleet.names = lambda: ["hale", "jsbsim:c172p", "jsbsim:737"]
 fleet.cached = lambda name: None
 def slow(name):
     print("begun", flush=True)
-    subprocess.run([sys.executable, "-c", "import time; time.sleep(60)"], capture_output=True)
-    return fleet._row(name, measured=False)
+    done = subprocess.run([sys.executable, "-c", "import time; time.sleep(60)"], capture_output=True)
+    return fleet._row(name, measured=True, reason="JSBSim crashes (SIGINT)" if done.returncode < 0 else None)
 fleet.row_of = slow
 sys.argv = ["uavftc", "aircraft"]
 main()

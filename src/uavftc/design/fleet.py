@@ -11,6 +11,7 @@ import functools
 import hashlib
 import json
 import os
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from pathlib import Path
@@ -66,7 +67,8 @@ def fleet(
     missing = [name for name, row in rows.items() if row is None]
     if not quick and missing:
         with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
-            pending = {pool.submit(row_of, name): name for name in missing}
+            stopped = threading.Event()
+            pending = {pool.submit(_uninterrupted, name, stopped): name for name in missing}
             try:
                 while pending:
                     done, _ = wait(pending, timeout=0.5, return_when=FIRST_COMPLETED)
@@ -77,9 +79,20 @@ def fleet(
                     if progress is not None:
                         progress(len(rows) - len(pending))
             except BaseException:
+                stopped.set()
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
     return [rows[name] or _row(name, measured=False) for name in wanted]
+
+
+def _uninterrupted(name: str, stopped: threading.Event) -> Row:
+    """Return `row_of`, unless Ctrl-C has ended its child: nothing more is begun then."""
+    if not stopped.is_set():
+        row = row_of(name)
+        if "(SIGINT)" not in (row["reason"] or ""):
+            return row
+        stopped.set()
+    raise KeyboardInterrupt
 
 
 def row_of(name: str) -> Row:
