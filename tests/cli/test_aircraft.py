@@ -113,18 +113,16 @@ main()
 
 @pytest.mark.skipif(os.name != "posix", reason="a process group is signalled, as a terminal does")
 def test_ctrl_c_ends_it_at_once():
-    child = subprocess.Popen(
-        [sys.executable, "-c", CTRL_C],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    assert child.stdout is not None
-    assert child.stdout.readline() == "begun\n"
-    time.sleep(0.5)
-    os.killpg(child.pid, signal.SIGINT)
-    _, errors = child.communicate(timeout=20)
+    command, pipe = [sys.executable, "-c", CTRL_C], subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as child:
+        try:
+            assert child.stdout is not None
+            assert child.stdout.readline().startswith("begun")
+            time.sleep(0.5)
+            os.killpg(child.pid, signal.SIGINT)
+            _, errors = child.communicate(timeout=20)
+        finally:
+            child.kill()
     assert child.returncode == 130
     assert errors.splitlines()[-1] == "interrupted"
     assert "Traceback" not in errors

@@ -21,7 +21,7 @@ def bench(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress.")] = False,
 ) -> None:
-    """Measure the closed loop beside bare JSBSim, its parts, processes, growth and peers (about six minutes).
+    """Measure the closed loop beside bare JSBSim, its parts, processes, growth and peers (some minutes).
 
     Medians and spread of several rounds; what is a ratio was measured alternately. docs/performance.md says what each
     figure is. For figures worth keeping the machine must do nothing else.
