@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from uavftc.aircraft import Aircraft
+from uavftc.aircraft.definition import Aircraft
 from uavftc.analysis.metrics import INTEGRALS, metrics_of
-from uavftc.build import Flight, build_flight
-from uavftc.flight import Outcome, fly_to_memory
+from uavftc.core.signals import AXES
+from uavftc.flight.build import Flight, build_flight
+from uavftc.flight.fly import Outcome, fly_to_memory
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim.model import trimmed_model
 from uavftc.scenario.load import load_scenario
-from uavftc.signals import AXES
 
 if TYPE_CHECKING:
     from uavftc.plants.jsbsim.plant import JSBSimPlant

@@ -12,7 +12,7 @@ import sys
 
 import numpy as np
 
-from uavftc.aircraft import load_aircraft
+from uavftc.aircraft.definition import load_aircraft
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.load import initialised, mass_properties
 from uavftc.plants.jsbsim.model import FRAME_S, trimmed_model

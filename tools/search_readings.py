@@ -24,12 +24,12 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 from uavftc.analysis.metrics import INTEGRALS, metrics_of
-from uavftc.build import build_flight
-from uavftc.flight import fly_to_memory
-from uavftc.paper import printed
+from uavftc.config.values import Signal
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
+from uavftc.jobs.paper import printed
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
-from uavftc.scenario.values import Signal
 
 COLUMNS = ("nndondi-l1", "ndi-l1")
 SCENARIOS = ("scenario2", "scenario3")

@@ -25,11 +25,11 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.aircraft import stock_dir, stock_names
+from uavftc.aircraft.definition import stock_dir, stock_names
+from uavftc.core.signals import AXES
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.model import ALTITUDE_M, SPEEDS_MPS
 from uavftc.report.progress import stages
-from uavftc.signals import AXES
 
 ROOT = Path(__file__).parents[1]
 SCENARIOS = ("scenario1", "scenario3")
@@ -44,8 +44,8 @@ _stopped = threading.Event()
 def fly_one(name: str) -> Survey:
     """Return what came of one aircraft: trim and flights, or the reason of refusal."""
     from uavftc.analysis.metrics import metrics_of
-    from uavftc.build import build_flight
-    from uavftc.flight import fly_to_memory
+    from uavftc.flight.build import build_flight
+    from uavftc.flight.fly import fly_to_memory
     from uavftc.plants.jsbsim import model
     from uavftc.scenario.load import load_scenario
 

@@ -13,12 +13,12 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "load_scenario": "uavftc.scenario.load",
     "scenario_text": "uavftc.scenario.load",
-    "build_flight": "uavftc.build",
-    "fly": "uavftc.flight",
-    "fly_to_memory": "uavftc.flight",
-    "fly_mission": "uavftc.mission",
+    "build_flight": "uavftc.flight.build",
+    "fly": "uavftc.flight.fly",
+    "fly_to_memory": "uavftc.flight.fly",
+    "fly_mission": "uavftc.jobs.fly",
     "metrics_of": "uavftc.analysis.metrics",
-    "read_history": "uavftc.recorder",
+    "read_history": "uavftc.results.history",
     "InputError": "uavftc.errors",
 }
 
@@ -26,12 +26,12 @@ __all__ = [*_PUBLIC, "__version__"]  # noqa: PLE0604
 
 if TYPE_CHECKING:
     from uavftc.analysis.metrics import metrics_of as metrics_of
-    from uavftc.build import build_flight as build_flight
     from uavftc.errors import InputError as InputError
-    from uavftc.flight import fly as fly
-    from uavftc.flight import fly_to_memory as fly_to_memory
-    from uavftc.mission import fly_mission as fly_mission
-    from uavftc.recorder import read_history as read_history
+    from uavftc.flight.build import build_flight as build_flight
+    from uavftc.flight.fly import fly as fly
+    from uavftc.flight.fly import fly_to_memory as fly_to_memory
+    from uavftc.jobs.fly import fly_mission as fly_mission
+    from uavftc.results.history import read_history as read_history
     from uavftc.scenario.load import load_scenario as load_scenario
     from uavftc.scenario.load import scenario_text as scenario_text
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from uavftc.build import actuator_blocks, timing_of
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
+from uavftc.flight.build import actuator_blocks, timing_of
 from uavftc.scenario.schema import Scenario
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 TRIM = np.array([0.0, -0.1, 0.05])  # rad
 STOPS = np.radians([25.0, 25.0, 25.0])  # hale's, either side of neutral

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uavftc.actuators import delay
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Block, Program, params_of
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Block, Program, params_of
 
 N = 40
 COMMANDS = np.random.default_rng(11).normal(size=(N, 3))

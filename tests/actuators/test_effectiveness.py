@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from uavftc.actuators import effectiveness
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 
 V2 = np.array([0.08, -0.03, 0.05])
 

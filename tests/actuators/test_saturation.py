@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uavftc.actuators import saturation
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program, params_of
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program, params_of
 
 LOW, HIGH = np.array([-0.05, -0.02, -np.inf]), np.array([0.1, 0.3, np.inf])
 

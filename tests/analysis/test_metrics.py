@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG, INTEGRALS, Metrics, metrics_of
-from uavftc.signals import AXES, as_records, empty_rows
+from uavftc.core.signals import AXES, as_records, empty_rows
 
 BAND = np.radians(CONVERGENCE_BAND_DEG)
 RATE = 200.0

@@ -18,8 +18,8 @@ from uavftc.analysis.reference_system import (
     replay,
     simulate,
 )
-from uavftc.build import inner_blocks
-from uavftc.signals import as_records, empty_rows
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.flight.build import inner_blocks
 
 K = np.linalg.solve(B_M, A_M)
 K_2 = np.linalg.solve(B_M, A_S)

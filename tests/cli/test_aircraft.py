@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from uavftc.cli.app import umbrella
-from uavftc.design import fleet
+from uavftc.jobs.design import fleet
 
 FEW = ["hale", "jsbsim:c172p", "jsbsim:L17"]
 KEYS = {
@@ -96,7 +96,7 @@ def test_a_change_of_the_files_is_measured_anew(few, monkeypatch, tmp_path):
 
 CTRL_C = """
 import sys
-from uavftc.design import fleet
+from uavftc.jobs.design import fleet
 from uavftc.cli.app import main
 import subprocess
 fleet.names = lambda: ["hale", "jsbsim:c172p", "jsbsim:737"]

@@ -116,7 +116,7 @@ def test_a_foreign_file_in_the_result_folder_is_named_and_kept():
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_ctrl_c_ends_it_at_once_and_leaves_nothing(tmp_path):
     told = (
-        "import uavftc.comparison as c; fly = c.fly_one\n"
+        "import uavftc.jobs.compare as c; fly = c.fly_one\n"
         "def fly_one(scenario): print('flying', flush=True); return fly(scenario)\n"
         "c.fly_one = fly_one\n"
         "from uavftc.cli.app import main; main()"

@@ -13,7 +13,7 @@ from typer.testing import CliRunner, Result
 
 from control.paper import A_M, A_S, B_M, K_2_PRINTED, P_PRINTED
 from uavftc.cli.app import umbrella
-from uavftc.resources import scenario_dir
+from uavftc.config.shipped import scenario_dir
 
 
 def run(folder: Path, *arguments: str) -> Result:

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from uavftc.recorder import read_history, read_metadata
-from uavftc.resources import aircraft_dir, scenario_dir
+from uavftc.config.shipped import aircraft_dir, scenario_dir
+from uavftc.results.history import read_history, read_metadata
 
 COMMAND = [sys.executable, "-c", "from uavftc.cli.app import main_fly; main_fly()"]
 

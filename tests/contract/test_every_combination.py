@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flying import flown
-from uavftc.build import build_flight
-from uavftc.flight import fly_to_memory
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.load import load_scenario, scenario_text
 
 PLANTS = ("analytic", "jsbsim")

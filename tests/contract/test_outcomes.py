@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from flying import flown
-from uavftc.build import build_flight
-from uavftc.flight import CHUNK_ROWS, SLICE_ROWS, fly, fly_to_memory
-from uavftc.recorder import MemoryRecorder
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import CHUNK_ROWS, SLICE_ROWS, fly, fly_to_memory
+from uavftc.results.history import MemoryRecorder
 from uavftc.scenario.load import load_scenario
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program, Stage, params_of
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program, Stage, params_of
 
 A_M = np.array([[-8.5, 1.2, -3.5], [-1.5, -1.5, -1.0], [-0.02, 0.0, -2.0]])
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])

@@ -11,9 +11,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import paper
-from uavftc.build import build_flight
 from uavftc.control.inner import l1
-from uavftc.flight import fly_to_memory
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.schema import Scenario
 
 DURATION, EVERY = 2.0, 0.02  # s

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import paper
-from uavftc.build import inner_blocks
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
+from uavftc.flight.build import inner_blocks
 from uavftc.scenario.controllers import L1Inner, MracInner
 
 LAST_DIGIT = 0.5e-4 + 1e-12  # half a unit of the fourth decimal

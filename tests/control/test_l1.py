@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import paper
-from uavftc.build import build_flight
 from uavftc.control.inner import l1
-from uavftc.flight import fly_to_memory
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.schema import Scenario
 
 RATES = [50, 100, 200, 1000]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import paper
-from uavftc.build import build_flight
 from uavftc.control.inner import l1, mrac
-from uavftc.flight import fly_to_memory
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.schema import Scenario
 
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import paper
 from uavftc.control.outer import ndi
-from uavftc.stage import params_of
+from uavftc.core.stage import params_of
 
 D = np.array([0.5, 0.8, 0.3])
 VECTOR = st.lists(st.floats(-2.0, 2.0), min_size=3, max_size=3).map(np.array)

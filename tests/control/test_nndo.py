@@ -7,11 +7,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import paper
-from uavftc.build import build_flight
 from uavftc.control.outer import nndo
-from uavftc.flight import fly_to_memory
+from uavftc.core.stage import Program, params_of
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.schema import Scenario
-from uavftc.stage import Program, params_of
 
 SIGMA, GAMMA = 0.5, 0.05  # section 4
 NODES = 5

@@ -7,13 +7,13 @@ import pytest
 from scipy.integrate import trapezoid
 
 from flying import jsbsim_plant
-from uavftc.aircraft import load_aircraft
-from uavftc.build import build_flight
+from uavftc.aircraft.definition import load_aircraft
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 from uavftc.environment.gust import one_minus_cosine
-from uavftc.flight import fly_to_memory
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.schema import Scenario
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 FT = 0.3048
 

@@ -6,8 +6,8 @@ import shutil
 
 import pytest
 
-from uavftc.aircraft import load_aircraft
-from uavftc.resources import aircraft_dir
+from uavftc.aircraft.definition import load_aircraft
+from uavftc.config.shipped import aircraft_dir
 
 
 @pytest.fixture(scope="session")

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 from uavftc.plants.analytic import AnalyticPlant
 from uavftc.plants.interface import Timing
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 HALE_J = np.array([[52723.0, 0.0, -8435.0], [0.0, 6314.0, 0.0], [-8435.0, 0.0, 58771.0]])
 BALL_J = 1000.0 * np.eye(3)  # no gyroscopic coupling: x2 obeys a linear equation exactly

@@ -13,13 +13,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from uavftc.aircraft import load_aircraft
-from uavftc.build import actuator_blocks, timing_of
+from uavftc.aircraft.definition import load_aircraft
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
+from uavftc.flight.build import actuator_blocks, timing_of
 from uavftc.plants.jsbsim.model import trimmed_model
 from uavftc.plants.jsbsim.plant import JSBSimPlant
 from uavftc.scenario.schema import Scenario
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 FAILED = tuple(f"fcs/{side}-aileron-actuator/malfunction/fail_zero" for side in ("left", "right"))
 AILERONS = ("fcs/left-aileron-pos-rad", "fcs/right-aileron-pos-rad")

@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 
 from flying import jsbsim_plant
-from uavftc.aircraft import load_aircraft
+from uavftc.aircraft.definition import load_aircraft
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import model
 from uavftc.plants.jsbsim.load import load
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 
 def make(folder):
@@ -258,7 +258,7 @@ def test_first_load_off_the_main_thread_is_refused():
     # Installing JSBSim's logger off the main thread crashes the process; the guard says so in Python instead.
     code = """
 import threading
-from uavftc.aircraft import load_aircraft
+from uavftc.aircraft.definition import load_aircraft
 from uavftc.plants.jsbsim.load import load
 def work():
     try:

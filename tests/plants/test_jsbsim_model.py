@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from flying import jsbsim_plant
-from uavftc.aircraft import load_aircraft
+from uavftc.aircraft.definition import load_aircraft
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import model
 from uavftc.plants.jsbsim.linearise import STATES, throttle_response
@@ -20,8 +22,6 @@ from uavftc.plants.jsbsim.model import NOMINAL_RAD, trimmed_model
 from uavftc.plants.jsbsim.plant import INTEGRATORS
 from uavftc.plants.jsbsim.trim import JSBSIM_TOLERANCE, TOLERANCE, Trim, command, configure, freeze, place, run_for
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 CONDITIONS = {"c172p": (62.0, 1500.0), "737": (185.0, 1500.0)}
 STOCK = pytest.mark.parametrize("name", CONDITIONS)
@@ -65,7 +65,7 @@ def first_accelerations(aircraft, at, u2, frames=1):
 LINEARISATION = """
 import json, os, sys
 import jsbsim
-from uavftc.aircraft import load_aircraft
+from uavftc.aircraft.definition import load_aircraft
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.trim import Trim, command, configure, freeze, place, run_for
 

@@ -7,9 +7,11 @@ import pytest
 from closed_form import FreeRotation, angle_between, from_euler
 
 from flying import jsbsim_plant
-from uavftc.aircraft import load_aircraft
-from uavftc.build import build_flight
-from uavftc.flight import fly_to_memory
+from uavftc.aircraft.definition import load_aircraft
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import bridge
 from uavftc.plants.jsbsim.load import load
@@ -17,8 +19,6 @@ from uavftc.plants.jsbsim.plant import INTEGRATORS
 from uavftc.plants.jsbsim.trim import freeze
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 FT, SLUGFT2 = 0.3048, 4.4482216152605 * 0.3048
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])

@@ -7,11 +7,11 @@ import pytest
 from scipy.optimize import brentq
 
 from flying import jsbsim_plant
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.load import load, mass_properties
 from uavftc.plants.jsbsim.model import trimmed_model
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])  # paper, section 4
 

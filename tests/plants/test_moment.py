@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from flying import flown, jsbsim_plant
-from uavftc.aircraft import load_aircraft, stock_names
+from uavftc.aircraft.definition import load_aircraft, stock_names
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 from uavftc.plants.jsbsim.moment import MOMENT, add_moment, copy_with_moment
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 BEFORE, AFTER = '<fdm_config name="a"><metrics/>', "<aerodynamics/></fdm_config>\n"
 FORCE = '<force name="hook" frame="BODY"><direction><x>1</x></direction></force>'

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from flying import flown
-from uavftc.aircraft import load_aircraft
+from uavftc.aircraft.definition import load_aircraft
 from uavftc.analysis.metrics import metrics_of
-from uavftc.build import build_flight
+from uavftc.core.signals import AXES
 from uavftc.errors import InputError
-from uavftc.flight import fly_to_memory
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.plants.jsbsim.model import trimmed_model
 from uavftc.scenario.load import load_scenario, scenario_text
-from uavftc.signals import AXES
 
 IAE_RAD_S = 0.25  # a step of 5 deg through the outer loop of 0.5 1/s is 0.0873 / 0.5 = 0.175
 STEADY_DEG = 0.2

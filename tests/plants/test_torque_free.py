@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from closed_form import FreeRotation, angle_between, from_euler
 
+from uavftc.core.signals import as_records, empty_rows
+from uavftc.core.stage import Program
 from uavftc.plants.analytic import AnalyticPlant
 from uavftc.plants.interface import Timing
-from uavftc.signals import as_records, empty_rows
-from uavftc.stage import Program
 
 HALE_J = np.array([[52723.0, 0.0, -8435.0], [0.0, 6314.0, 0.0], [-8435.0, 0.0, 58771.0]])
 H, SECONDS = 0.005, 60.0

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from uavftc import signals
-from uavftc.recorder import published
+from uavftc.core import signals
+from uavftc.results.history import published
 
 RATE_HZ = 200.0
 BANDWIDTH = 0.5  # rad/s

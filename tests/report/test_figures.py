@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from uavftc.report import figures, panels, results
+from uavftc.report import figures, panels
 from uavftc.report.figures import FaultWindow, FigureContext, fault_label, write_figures
+from uavftc.results import folder as results
 
 CONTEXT = FigureContext(
     "scenario3: nndondi-l1 on hale, jsbsim",

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from uavftc.report.summary import METRICS, summary
 from uavftc.report.table import metric_table, print_result
+from uavftc.results.summary import METRICS, summary
 
 ROLL = dict(zip(METRICS, (0.0021, 9.153, 0.16854, 0.0081, 0.3073, 0.0076, 0.1234), strict=True))
 

@@ -8,14 +8,14 @@ import pickle
 import pytest
 from pydantic import ValidationError
 
-from uavftc import resources
+from uavftc.config import shipped as resources
+from uavftc.config.document import Document
+from uavftc.config.explain import explain
+from uavftc.config.values import Model, Positive
 from uavftc.errors import CombinedInputError, InputError
 from uavftc.scenario import load as module
 from uavftc.scenario.checks import warnings
-from uavftc.scenario.document import Document
-from uavftc.scenario.explain import explain
 from uavftc.scenario.load import controller_name, load_scenario
-from uavftc.scenario.values import Model, Positive
 
 
 @pytest.mark.parametrize("written", ["1e5", "1.0e5", "1E+5", "100000", "+100000.", "1.e5"])

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from uavftc import resources
+from uavftc.config import shipped as resources
 from uavftc.scenario.load import load_scenario, scenario_text
 from uavftc.scenario.schema import Scenario
 

@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from uavftc.core.signals import ROW, as_records, empty_rows
+from uavftc.core.stage import Program, params_of
 from uavftc.sensors import gyro
-from uavftc.signals import ROW, as_records, empty_rows
-from uavftc.stage import Program, params_of
 
 VECTOR = st.lists(st.floats(-10.0, 10.0), min_size=3, max_size=3).map(np.array)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.stage import RAW, Stage, carray, law
+from uavftc.core.stage import RAW, Stage, carray, law
 
 PARAMS = np.dtype(
     [

@@ -7,7 +7,7 @@ effectiveness; (3) omega = 1, v_2a != 0, additive fault; (4) both.
 
 from __future__ import annotations
 
-from uavftc.stage import NOTHING, Stage, carray, law
+from uavftc.core.stage import NOTHING, Stage, carray, law
 
 PARAMS = NOTHING
 STATE = NOTHING

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.stage import NOTHING, Stage, carray, law
+from uavftc.core.stage import NOTHING, Stage, carray, law
 
 PARAMS = np.dtype([("u_min", "f8", (3,)), ("u_max", "f8", (3,))])  # rad; +-inf for no limit
 STATE = NOTHING

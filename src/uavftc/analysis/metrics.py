@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from uavftc.signals import AXES, attitude_error
+from uavftc.core.signals import AXES, attitude_error
 
 CONVERGENCE_BAND_DEG = 0.02  # section 4: "tracking errors [...] kept within 0.02"
 INTEGRALS = ("iae", "ise", "itae", "itse")

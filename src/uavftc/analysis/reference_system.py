@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import expm
 
-from uavftc.stage import Block, Program
+from uavftc.core.stage import Block, Program
 
 JUMP = 6.0  # a change from sample to sample this many times larger than around it is a discontinuity
 _AROUND = 5  # samples on either side that count as around

@@ -22,7 +22,7 @@ def aircraft(
     needed. The first list takes some minutes, for each aircraft is trimmed and linearised; the next ones none. Ctrl-C
     (130) keeps what was measured.
     """
-    from uavftc.design import fleet  # noqa: PLC0415 - what --help does not need is not imported
+    from uavftc.jobs.design import fleet  # noqa: PLC0415 - what --help does not need is not imported
     from uavftc.report import fleet_table  # noqa: PLC0415
     from uavftc.report.progress import stages  # noqa: PLC0415
 

@@ -30,9 +30,9 @@ def bench(
         raise InputError(
             f"--rounds {rounds}", found=f"{rounds}", expected="at least 1", remedy="leave the option out for 7 rounds"
         )
-    from uavftc.bench.catalogue import CATALOGUE, run  # noqa: PLC0415 - what a bad option does not need is not imported
+    from uavftc.core.stage import is_compiled  # noqa: PLC0415
+    from uavftc.jobs.bench.catalogue import CATALOGUE, run  # noqa: PLC0415 - what a bad option does not need is not imported
     from uavftc.report.progress import stages  # noqa: PLC0415
-    from uavftc.stage import is_compiled  # noqa: PLC0415
 
     names = list(CATALOGUE) if only is None else [name.strip() for name in only.split(",")]
     for name in names:
@@ -46,7 +46,7 @@ def bench(
         return
     from rich.console import Console  # noqa: PLC0415
 
-    from uavftc.bench.table import print_figures  # noqa: PLC0415
+    from uavftc.jobs.bench.table import print_figures  # noqa: PLC0415
 
     print_figures(Console(highlight=False), document)
 

@@ -46,10 +46,10 @@ def compare(
     By default this is how JSBSim compares with the analytic model. Exit code 0: all flown to the end. 2: the input is
     wrong, nothing is written. 3: a vehicle was lost, everything is written. 130: Ctrl-C, nothing is written.
     """
-    from uavftc.comparison import compare as fly_and_compare  # noqa: PLC0415
-    from uavftc.comparison import load_combinations  # noqa: PLC0415
+    from uavftc.core.stage import is_compiled  # noqa: PLC0415
+    from uavftc.jobs.compare import compare as fly_and_compare  # noqa: PLC0415
+    from uavftc.jobs.compare import load_combinations  # noqa: PLC0415
     from uavftc.report.progress import progress  # noqa: PLC0415
-    from uavftc.stage import is_compiled  # noqa: PLC0415
 
     loaded = load_combinations(
         scenario, plants=plants, controllers=controllers, aircraft=aircraft, overrides=overrides or ()

@@ -73,11 +73,11 @@ def design(
         _check_figure(figure)
     changes = [*(overrides or ()), *(f"initial.{k}={v!r}" for k, v in condition.items() if v is not None)]
 
-    from uavftc.aircraft import load_aircraft  # noqa: PLC0415 - what a bad option does not need is not imported
+    from uavftc.aircraft.definition import load_aircraft  # noqa: PLC0415 - what a bad option does not need is not imported
     from uavftc.analysis.l1_condition import Given  # noqa: PLC0415
-    from uavftc.design.document import DEFAULT_SCENARIO, design_document  # noqa: PLC0415
+    from uavftc.core.stage import is_compiled  # noqa: PLC0415
+    from uavftc.jobs.design.document import DEFAULT_SCENARIO, design_document  # noqa: PLC0415
     from uavftc.scenario.load import load_scenario  # noqa: PLC0415
-    from uavftc.stage import is_compiled  # noqa: PLC0415
 
     load_aircraft(aircraft, "AIRCRAFT")  # before the scenarios, which would name it as an option
     if scenario is None and flight is None:

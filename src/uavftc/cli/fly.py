@@ -50,9 +50,9 @@ def fly(
     loaded = load_scenario(scenario, overrides=overrides or (), plant=plant, aircraft=aircraft, controller=controller)
     folder = out if out is not None else default_folder(loaded, named_aircraft=aircraft is not None)
 
-    from uavftc.mission import fly_mission  # noqa: PLC0415
+    from uavftc.core.stage import is_compiled  # noqa: PLC0415
+    from uavftc.jobs.fly import fly_mission  # noqa: PLC0415
     from uavftc.report.progress import progress  # noqa: PLC0415
-    from uavftc.stage import is_compiled  # noqa: PLC0415
 
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)

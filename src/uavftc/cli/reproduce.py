@@ -27,10 +27,10 @@ def reproduce(
         raise InputError(
             f"--plant {plant}", found=f"'{plant}'", expected="analytic, jsbsim or both", remedy="choose one of them"
         )
-    from uavftc.paper.reproduction import Reproduction  # noqa: PLC0415
-    from uavftc.paper.reproduction import reproduce as run  # noqa: PLC0415
+    from uavftc.core.stage import is_compiled  # noqa: PLC0415
+    from uavftc.jobs.paper.reproduction import Reproduction  # noqa: PLC0415
+    from uavftc.jobs.paper.reproduction import reproduce as run  # noqa: PLC0415
     from uavftc.report.progress import stages  # noqa: PLC0415
-    from uavftc.stage import is_compiled  # noqa: PLC0415
 
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
@@ -40,6 +40,6 @@ def reproduce(
         return
     from rich.console import Console  # noqa: PLC0415
 
-    from uavftc.paper.terminal import print_reproduction  # noqa: PLC0415
+    from uavftc.jobs.paper.terminal import print_reproduction  # noqa: PLC0415
 
     print_reproduction(Console(), result, out)

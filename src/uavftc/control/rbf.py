@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import exp
 
-from uavftc.stage import law
+from uavftc.core.stage import law
 
 NODES = 5
 

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.kinematics import attitude_rates
-from uavftc.linear3 import multiply
+from uavftc.core.kinematics import attitude_rates
+from uavftc.core.linear3 import multiply
+from uavftc.core.stage import NOTHING, Block, Program, Stage, carray, law, params_of
 from uavftc.plants.interface import Timing
 from uavftc.plants.rigid_body import coefficients, gyroscopic
-from uavftc.stage import NOTHING, Block, Program, Stage, carray, law, params_of
 
 PARAMS = np.dtype(
     [

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from uavftc.stage import Block, Program
+from uavftc.core.stage import Block, Program
 
 
 class Timing(NamedTuple):

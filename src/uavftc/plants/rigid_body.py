@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.stage import law
+from uavftc.core.stage import law
 
 
 def coefficients(J: np.ndarray) -> np.ndarray:

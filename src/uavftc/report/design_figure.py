@@ -14,17 +14,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
+from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
 from uavftc.report.fleet_table import times
 from uavftc.report.panels import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
-from uavftc.signals import AXES, SURFACES
 
 LINEAR = 0.01  # 1/s and rad/s: closer to the origin the axes are linear, beyond logarithmic
 FULL = 0.55  # of the greatest colour: numbers stay readable on it
 
 
 def write_design_figure(file: Path, document: dict[str, Any]) -> None:
-    """Draw the document of `uavftc.design.document.design_document` to a file whose ending says the format."""
+    """Draw the document of `uavftc.jobs.design.document.design_document` to a file whose ending says the format."""
     with panels.style():
         design_figure(document).savefig(file)
 

@@ -11,8 +11,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from uavftc.core.signals import AXES, SURFACES
 from uavftc.report.fleet_table import times
-from uavftc.signals import AXES, SURFACES
 
 Line = Callable[..., None]
 
@@ -24,7 +24,7 @@ METHODS = {
 
 
 def print_design(console: Console, document: dict[str, Any]) -> None:
-    """Print the document of `uavftc.design.document.design_document`."""
+    """Print the document of `uavftc.jobs.design.document.design_document`."""
 
     def line(text: str, style: str = "") -> None:
         console.print(Text(text, style=style))

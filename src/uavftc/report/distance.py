@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.signals import AXES
+from uavftc.core.signals import AXES
 
 History = Mapping[str, np.ndarray]
 

@@ -15,9 +15,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
 from uavftc.report.panels import BLACK, BLUE, GREEN, PURPLE, SKY, VERMILLION
-from uavftc.signals import AXES, SURFACES
 
 BAND_DEG = 0.02  # deg, the band of the convergence time
 ANGLES, RATES = ("phi", "theta", "psi"), ("p", "q", "r")

@@ -20,7 +20,7 @@ _SHORTER = (
 
 
 def lines(rows: Sequence[dict[str, Any]], width: int = 100) -> list[str]:
-    """Return header, a line a row of `uavftc.design.fleet.fleet`, and the count; nothing is longer than `width`."""
+    """Return header, a line a row of `jobs.design.fleet.fleet`, and the count; nothing is longer than `width`."""
     return [HEADER, "-" * min(width, 100), *(_cut(line(row), width) for row in rows), "", _cut(count(rows), width)]
 
 

@@ -12,12 +12,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
 from uavftc.report.chatter import chatter
 from uavftc.report.distance import ANGLES, RATES, attitude_difference, rate_difference, rows_in_common
 from uavftc.report.figures import BAND_DEG, REFERENCE, FaultWindow, History, deg, merged, name_panel
 from uavftc.report.panels import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION
-from uavftc.signals import AXES, SURFACES
 
 Key = tuple[str, str]
 """(plant, controller)."""

@@ -1,4 +1,4 @@
-"""The tables of a comparison: on the terminal, as Markdown, and as CSV. Its document is `uavftc.comparison`'s."""
+"""The tables of a comparison: on the terminal, as Markdown, and as CSV. Its document is `uavftc.jobs.compare`'s."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from uavftc.report.summary import METRICS
+from uavftc.core.signals import AXES
 from uavftc.report.table import ROWS, cell, number, outcome_line
-from uavftc.signals import AXES
+from uavftc.results.summary import METRICS
 
 MOST_COLUMNS = 4  # of flights, in 80 characters
 _SIZES = (

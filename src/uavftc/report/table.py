@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from uavftc.signals import AXES
+from uavftc.core.signals import AXES
 
 BAND_DEG = 0.02  # deg, the band of the convergence time
 _FAR_DEG = 0.2  # deg, ten times the band

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from uavftc.config.values import Problem, Signal, key_text
+from uavftc.control.inner.matrices import is_hurwitz
 from uavftc.scenario.controllers import Controller
 from uavftc.scenario.disturbances import AIR, AttitudeRate, Gust, Window
-from uavftc.scenario.matrices import is_hurwitz
-from uavftc.scenario.values import Problem, Signal, key_text
 
 if TYPE_CHECKING:
     from uavftc.scenario.schema import Fault, Scenario

@@ -12,8 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from uavftc.scenario.matrices import hurwitz, invertible, positive_definite
-from uavftc.scenario.values import (
+from uavftc.config.values import (
     Matrix3,
     Model,
     NonNegative,
@@ -24,6 +23,7 @@ from uavftc.scenario.values import (
     list_of,
     refusal,
 )
+from uavftc.control.inner.matrices import hurwitz, invertible, positive_definite
 
 A_M = ((-8.5, 1.2, -3.5), (-1.5, -1.5, -1.0), (-0.02, 0.0, -2.0))  # 1/s, paper section 4
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -145,7 +145,7 @@ def _plain(value: Any, key: tuple[str | int, ...]) -> list[Problem]:
 
 
 class OwnController(Model):
-    """A controller of one's own in the place of both loops: a module (docs/own-controller.md) and its options."""
+    """A controller of one's own in the place of both loops: a module (docs/custom-controller.md) and its options."""
 
     kind: Annotated[str, Field(min_length=1, max_length=4096)]
     options: Annotated[dict[str, Any], BeforeValidator(lambda value: {} if value is None else value)] = Field(

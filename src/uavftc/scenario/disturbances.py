@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from uavftc.scenario.values import Model, NonNegative, Number, Positive, Signal
+from uavftc.config.values import Model, NonNegative, Number, Positive, Signal
 
 ZERO = Signal(0.0)
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from uavftc import resources
+from uavftc.config import shipped as resources
+from uavftc.config.document import Document, parse
+from uavftc.config.explain import describe, explain
 from uavftc.errors import InputError, join
 from uavftc.scenario.checks import warnings
 from uavftc.scenario.controllers import OwnController
-from uavftc.scenario.document import Document, parse
-from uavftc.scenario.explain import describe, explain
 from uavftc.scenario.overrides import apply, controller_spelling, own_name, resolve_controller, set_controller
 from uavftc.scenario.schema import Scenario
 from uavftc.scenario.text import scenario_text
@@ -45,7 +45,7 @@ def load_scenario(
         folder of the file when the file has it.
     controller
         ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know. Any
-        other name, or the path of a .py file, is that of an own controller (docs/own-controller.md).
+        other name, or the path of a .py file, is that of an own controller (docs/custom-controller.md).
 
     Raises
     ------

@@ -9,11 +9,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from uavftc.control.own_module import HOW, SHIPPED, is_path, is_there, registered
+from uavftc.config.document import Document, Key, parse
+from uavftc.config.values import key_text
+from uavftc.control.custom.module import HOW, SHIPPED, is_path, is_there, registered
 from uavftc.errors import InputError
 from uavftc.scenario.controllers import DEFAULT_INNER, DEFAULT_OUTER, INNER, OUTER
-from uavftc.scenario.document import Document, Key, parse
-from uavftc.scenario.values import key_text
 
 _SPELLING = {"ndi": "ndi", "nndo-ndi": "nndondi"}
 CONTROLLERS = {f"{_SPELLING[o]}-{i}": (o, i) for o in OUTER for i in INNER}

@@ -9,11 +9,11 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from uavftc.config.values import Model, NonNegative, Number, Positive, Signal, Vector3, Whole, refusal
+from uavftc.core.signals import SURFACES
 from uavftc.scenario.checks import problems
 from uavftc.scenario.controllers import AnyController, Controller
 from uavftc.scenario.disturbances import ZERO, Disturbance, Window
-from uavftc.scenario.values import Model, NonNegative, Number, Positive, Signal, Vector3, Whole, refusal
-from uavftc.signals import SURFACES
 
 MAX_PLANT_STEP_S = 5e-3  # s; the JSBSim integrators are at home at 120-200 Hz
 SECTIONS = ("initial", "reference", "controller", "faults", "disturbances", "sensors", "envelope", "simulation")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.stage import NOTHING, Stage, carray, law
+from uavftc.core.stage import NOTHING, Stage, carray, law
 
 PARAMS = np.dtype([("bias", "f8", (3,))])  # b, rad/s
 STATE = NOTHING

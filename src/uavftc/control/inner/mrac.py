@@ -15,8 +15,8 @@ import numpy as np
 
 from uavftc.control.inner.predictor import PREDICTOR_PARAMS, PREDICTOR_STATE, advance, lumped, start
 from uavftc.control.rbf import basis
-from uavftc.linear3 import multiply, multiply_transposed
-from uavftc.stage import Stage, carray, law
+from uavftc.core.linear3 import multiply, multiply_transposed
+from uavftc.core.stage import Stage, carray, law
 
 PARAMS = np.dtype(
     [

@@ -25,8 +25,8 @@ The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.p
 from __future__ import annotations
 
 from uavftc.control.rbf import NODES
-from uavftc.linear3 import multiply, multiply_transposed, solve
-from uavftc.stage import law
+from uavftc.core.linear3 import multiply, multiply_transposed, solve
+from uavftc.core.stage import law
 
 PREDICTOR_PARAMS = [
     ("h", "f8"),  # sample time, s

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.kinematics import body_rates, wrapped
-from uavftc.stage import NOTHING, Stage, carray, law
+from uavftc.core.kinematics import body_rates, wrapped
+from uavftc.core.stage import NOTHING, Stage, carray, law
 
 PARAMS = np.dtype([("D", "f8", (3,))])  # outer-loop bandwidth, 1/s
 STATE = NOTHING

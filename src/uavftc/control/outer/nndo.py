@@ -21,8 +21,8 @@ from math import exp
 import numpy as np
 
 from uavftc.control.rbf import NODES, basis
-from uavftc.kinematics import attitude_rates
-from uavftc.stage import Stage, carray, law
+from uavftc.core.kinematics import attitude_rates
+from uavftc.core.stage import Stage, carray, law
 
 PARAMS = np.dtype(
     [

@@ -13,9 +13,9 @@ from math import pi
 
 import numpy as np
 
-from uavftc.linear3 import multiply
+from uavftc.core.linear3 import multiply
+from uavftc.core.stage import NOTHING, Stage, carray, law
 from uavftc.plants.jsbsim.units import FT_M, LBF_N, SLUGFT2_KGM2
-from uavftc.stage import NOTHING, Stage, carray, law
 
 OBSERVE_STATE = np.dtype([("started", "f8"), ("psi", "f8")])  # heading of the previous sample, rad
 

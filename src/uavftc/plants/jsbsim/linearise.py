@@ -12,9 +12,9 @@ from typing import NamedTuple
 import jsbsim
 import numpy as np
 
-from uavftc.aircraft import Aircraft
+from uavftc.aircraft.definition import Aircraft
+from uavftc.core.signals import SURFACES
 from uavftc.plants.jsbsim.trim import Trim, accelerations, command, has, place, run_for, set_throttle
-from uavftc.signals import SURFACES
 
 SETTLE_S = 2.0  # actuators
 ENGINE_S = 10.0  # engines

@@ -19,7 +19,7 @@ from xml.parsers import expat
 import jsbsim
 import numpy as np
 
-from uavftc.aircraft import Aircraft
+from uavftc.aircraft.definition import Aircraft
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.moment import copy_with_moment
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2

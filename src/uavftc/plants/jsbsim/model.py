@@ -21,8 +21,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import platformdirs
 
-from uavftc import aircraft as aircraft_module
-from uavftc.aircraft import Aircraft
+from uavftc.aircraft import definition as aircraft_module
+from uavftc.aircraft.definition import Aircraft
 from uavftc.errors import InputError
 
 TIMEOUT_S = 120.0
@@ -216,7 +216,7 @@ def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
 
 def main(reference: str, altitude: str, *speeds: str) -> None:
     """Measure and print one JSON document: the models at the speeds that trim, or the refusal of the last."""
-    from uavftc.aircraft import load_aircraft  # noqa: PLC0415
+    from uavftc.aircraft.definition import load_aircraft  # noqa: PLC0415
 
     models: list[dict[str, Any]] = []
     refusal: InputError | None = None

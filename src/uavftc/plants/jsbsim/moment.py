@@ -14,7 +14,7 @@ from pathlib import Path
 
 import platformdirs
 
-from uavftc.aircraft import Aircraft
+from uavftc.aircraft.definition import Aircraft
 
 MOMENT = "uavftc-disturbance"
 _ELEMENT = f"""

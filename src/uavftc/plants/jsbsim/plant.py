@@ -16,15 +16,15 @@ from typing import Any
 import jsbsim
 import numpy as np
 
-from uavftc.aircraft import Aircraft
+from uavftc.aircraft.definition import Aircraft
+from uavftc.core.signals import ROW
+from uavftc.core.stage import Block, Program, params_of
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import bridge
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
 from uavftc.plants.jsbsim.moment import moment_name
 from uavftc.plants.jsbsim.trim import WIND, Trim, start
-from uavftc.signals import ROW
-from uavftc.stage import Block, Program, params_of
 
 STATE_PROPERTIES = (
     "attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad",

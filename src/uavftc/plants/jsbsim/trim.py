@@ -17,7 +17,7 @@ import jsbsim
 import numpy as np
 from scipy.optimize import root
 
-from uavftc.aircraft import Aircraft
+from uavftc.aircraft.definition import Aircraft
 from uavftc.plants.jsbsim.units import FT_M
 
 INTEGRATORS = tuple(

@@ -1,0 +1,296 @@
+"""Aircraft definitions: a JSBSim model, and beside it what the project needs beyond the XML.
+
+    NAME/NAME.xml       the JSBSim model; engine/ and systems/ beside it if it has any
+    NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, the analytic model
+
+The companion is optional, and so is each of its keys: what it does not say is found out by measuring
+(`plants/jsbsim/model.py`), with JSBSim's standard property names. JSBSim's own aircraft are `jsbsim:NAME`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import importlib.util
+import re
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import AfterValidator, Field, PrivateAttr, ValidationError
+from pydantic_core import PydanticCustomError
+
+from uavftc.config.document import Document
+from uavftc.config.explain import explain
+from uavftc.config.shipped import aircraft_dir, aircraft_names
+from uavftc.config.values import Matrix3, Model, Number, Positive
+from uavftc.errors import InputError, join
+from uavftc.scenario.load import read_document
+
+COMPANION = "uavftc.yaml"
+STOCK = "jsbsim:"
+
+# JSBSim aborts the process when asked for a name that is no XML name, so no other ever reaches it.
+_PROPERTY = r"[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?(/[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?)*"
+
+
+def _property(name: str) -> str:
+    if len(name) > 200 or not re.fullmatch(_PROPERTY, name):
+        raise PydanticCustomError("property", "the path of a JSBSim property, such as fcs/aileron-cmd-norm or a/b[1]")
+    return name
+
+
+Property = Annotated[str, AfterValidator(_property)]
+
+
+class InitialCondition(Model):
+    """The aircraft's own condition for straight level flight."""
+
+    airspeed_mps: Positive
+    altitude_m: Positive
+
+
+class MassProperties(Model):
+    """What JSBSim must hold after loading, to 1e-6."""
+
+    mass_kg: Positive
+    inertia_kgm2: Matrix3
+    wing_area_m2: Positive
+    span_m: Positive
+    chord_m: Positive
+
+
+class Surface(Model):
+    """A control surface: its command and position properties, and how the command counts.
+
+    `rad_per_command` is the deflection, rad, per unit of the command, negative where a positive command gives a
+    negative moment about the surface's axis; null is measured. `stop_rad` is the mechanical stop either side of
+    neutral; null is a command range of -1 to 1.
+    """
+
+    command: Property
+    position: Property | None = None
+    stop_rad: Positive | None = None
+    rad_per_command: Number | None = None
+
+
+def _standard(command: str, position: str) -> Surface:
+    return Surface(command=f"fcs/{command}-cmd-norm", position=f"fcs/{position}-pos-rad")
+
+
+class Surfaces(Model):
+    """The three surfaces; deflections count so that positive gives a positive moment about the surface's axis."""
+
+    aileron: Surface = _standard("aileron", "left-aileron")
+    elevator: Surface = _standard("elevator", "elevator")
+    rudder: Surface = _standard("rudder", "rudder")
+
+
+class Throttle(Model):
+    """Commands that the trim sets, 0..1, and the positions that result."""
+
+    command: Annotated[tuple[Property, ...], Field(min_length=1)]
+    position: Annotated[tuple[Property, ...], Field(min_length=1)]
+
+
+class Autothrottle(Model):
+    """The aircraft's own airspeed hold: its switch (0 or 1) and its set point, ft/s true."""
+
+    switch: Property
+    setpoint_fps: Property
+
+
+class AnalyticModel(Model):
+    """The rotational model x2' = gyroscopic + A_l x2 + B_m u2: A_l in 1/s, B_m in 1/s^2."""
+
+    A_l: Matrix3
+    B_m: Matrix3
+
+
+class Aircraft(Model):
+    """An aircraft definition, read from its companion file."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
+    description: str = ""
+    initial: InitialCondition | None = None
+    mass_properties: MassProperties | None = None
+    surfaces: Surfaces = Surfaces()
+    throttle: Throttle | None = None
+    autothrottle: Autothrottle | None = None
+    disturbance_moment: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")] | None = None
+    planet: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*\.xml$")] | None = None
+    analytic: AnalyticModel | None = None
+
+    _folder: Path = PrivateAttr(default=Path())
+    _stock: bool = PrivateAttr(default=False)
+    _checked: bool = PrivateAttr(default=True)
+
+    @property
+    def folder(self) -> Path:
+        """The folder it was read from."""
+        return self._folder
+
+    @property
+    def companion(self) -> Path:
+        """The companion file."""
+        return self.folder / COMPANION
+
+    @property
+    def xml(self) -> Path:
+        """The JSBSim model."""
+        return self.folder / f"{self.folder.name}.xml"
+
+    @property
+    def reference(self) -> str:
+        """What `load_aircraft` takes to read it again."""
+        return f"{STOCK}{self.name}" if self._stock else str(self.folder)
+
+    @property
+    def strict(self) -> bool:
+        """Whether a warning of JSBSim is an error: with a companion file, which claims that all is well."""
+        return self._checked
+
+    @property
+    def engine_dir(self) -> Path:
+        """Where JSBSim looks for engines and propellers."""
+        return self.folder.parents[1] / "engine" if self._stock else self.folder / "engine"
+
+    @property
+    def systems_dir(self) -> Path:
+        """Where JSBSim looks for systems."""
+        return self.folder.parents[1] / "systems" if self._stock else self.folder / "systems"
+
+    def surface_list(self) -> tuple[Surface, Surface, Surface]:
+        """Return aileron, elevator and rudder."""
+        return self.surfaces.aileron, self.surfaces.elevator, self.surfaces.rudder
+
+    def command_limits(self) -> tuple[float, ...]:
+        """Return the largest command of aileron, elevator and rudder either side of neutral, in their own units."""
+        return tuple(
+            1.0 if s.stop_rad is None else s.stop_rad / abs(s.rad_per_command or 1.0) for s in self.surface_list()
+        )
+
+    def throttle_commands(self, engines: int) -> tuple[str, ...]:
+        """Return the throttle command properties, for an aircraft of so many engines."""
+        if self.throttle is not None:
+            return self.throttle.command
+        return tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(engines))
+
+    def properties(self) -> list[tuple[str, str]]:
+        """Return (key, property) of every JSBSim property that the aircraft is flown by."""
+        named = []
+        for name, surface in zip(Surfaces.model_fields, self.surface_list(), strict=True):
+            named.append((f"surfaces.{name}.command", surface.command))
+            if surface.position is not None and self._checked:
+                named.append((f"surfaces.{name}.position", surface.position))
+        if self.throttle is not None:
+            named += [("throttle.command", name) for name in self.throttle.command]
+            named += [("throttle.position", name) for name in self.throttle.position]
+        if self.autothrottle is not None:
+            named += [
+                ("autothrottle.switch", self.autothrottle.switch),
+                ("autothrottle.setpoint_fps", self.autothrottle.setpoint_fps),
+            ]
+        if self.disturbance_moment is not None:
+            base = f"external_reactions/{self.disturbance_moment}"
+            named += [("disturbance_moment", f"{base}/{part}") for part in ("l", "m", "n", "magnitude-lbsft")]
+        return named
+
+    def sha256(self) -> str:
+        """Return the checksum of all files of the definition, names included."""
+        digest = hashlib.sha256()
+        for file in sorted(p for p in self.folder.rglob("*") if p.suffix in (".xml", ".yaml") and p.is_file()):
+            digest.update(file.relative_to(self.folder).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+        return digest.hexdigest()
+
+
+def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
+    """Return the definition of a shipped aircraft by name, of a folder by path, or of one of JSBSim's own.
+
+    Parameters
+    ----------
+    aircraft
+        A name under aircraft/, the path of a folder, or jsbsim:NAME.
+    where
+        What the user set to this value, for the error.
+
+    Raises
+    ------
+    InputError
+        If there is no such aircraft, or its companion file is wrong.
+    """
+    if aircraft.startswith(STOCK):
+        return _stock(aircraft.removeprefix(STOCK), where)
+    folder = _folder(aircraft, where)
+    xml = folder / f"{folder.name}.xml"
+    if not xml.is_file():
+        others = sorted(p.name for p in folder.glob("*.xml") if p.name != "flat_planet.xml")
+        rename = f"rename {others[0]} to {xml.name}" if len(others) == 1 else f"add {xml.name}"
+        raise InputError(
+            where,
+            found=f"{folder}, without {xml.name}",
+            expected=f"a folder with the JSBSim model {xml.name}: JSBSim wants folder and model to have one name",
+            remedy=f"{rename}, or name another aircraft",
+        )
+    companion = folder / COMPANION
+    if not companion.is_file():
+        return _bare(folder.name, folder)
+    document = read_document(companion, what="companion file of an aircraft")
+    return _validated(document, folder)
+
+
+def _validated(document: Document, folder: Path) -> Aircraft:
+    try:
+        aircraft = Aircraft.model_validate(document.data)
+    except ValidationError as error:
+        raise join(explain(error, document, Aircraft)) from None
+    aircraft._folder = folder
+    return aircraft
+
+
+def _bare(name: str, folder: Path, *, stock: bool = False) -> Aircraft:
+    """Return the definition of an aircraft about which nothing is known but its XML."""
+    aircraft = Aircraft(name=re.sub(r"[^A-Za-z0-9._-]", "-", name))
+    aircraft._folder, aircraft._stock, aircraft._checked = folder, stock, False
+    return aircraft
+
+
+def stock_dir() -> Path:
+    """Return the folder of the aircraft that JSBSim ships, without importing it."""
+    spec = importlib.util.find_spec("jsbsim")
+    places = spec.submodule_search_locations if spec is not None else None
+    return Path(places[0] if places else "jsbsim") / "aircraft"
+
+
+def stock_names() -> list[str]:
+    """Return the names of the aircraft that JSBSim ships, sorted."""
+    folder = stock_dir()
+    return sorted(p.name for p in folder.iterdir() if (p / f"{p.name}.xml").is_file()) if folder.is_dir() else []
+
+
+def _stock(name: str, where: str) -> Aircraft:
+    names = stock_names()
+    if name not in names:
+        near = difflib.get_close_matches(name, names, 1)
+        raise InputError(
+            where,
+            found=f"'{STOCK}{name}', which JSBSim does not ship",
+            expected=f"jsbsim: and one of {', '.join(names)}",
+            remedy=f"did you mean {STOCK}{near[0]}?" if near else "choose one of them (uavftc aircraft lists them)",
+        )
+    return _bare(name, stock_dir() / name, stock=True)
+
+
+def _folder(aircraft: str, where: str) -> Path:
+    shipped = aircraft_dir() / aircraft
+    if aircraft in aircraft_names():
+        return shipped.resolve()
+    folder = Path(aircraft).expanduser()
+    if folder.is_dir():
+        return folder.resolve()
+    stock = f"; or {STOCK}{aircraft}" if aircraft in stock_names() else ""
+    raise InputError(
+        where,
+        found=f"'{aircraft}', which is neither a shipped aircraft nor a folder",
+        expected=f"a shipped aircraft ({', '.join(aircraft_names())}), the path of an aircraft folder, or jsbsim:NAME",
+        remedy=f"check the spelling{stock}; a relative path counts from the scenario file, with --aircraft from here",
+    )

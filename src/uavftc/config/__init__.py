@@ -1,0 +1,1 @@
+"""YAML documents with line numbers, values, expressions of t, messages; knows no scenario."""

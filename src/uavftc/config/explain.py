@@ -1,0 +1,202 @@
+"""Schema errors told the way a user needs them: file and line, key, what was found, what was expected, the remedy."""
+
+from __future__ import annotations
+
+import difflib
+import typing
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from uavftc.config.document import Document, Key
+from uavftc.config.expression import KNOWN
+from uavftc.config.values import Problem, key_text
+from uavftc.errors import InputError
+from uavftc.scenario.controllers import Controller, OwnController
+from uavftc.scenario.schema import Scenario
+
+MAX_TOLD = 20  # errors told at once
+_UNITS = {
+    "degps2": "deg/s^2",
+    "degps": "deg/s",
+    "deg": "deg",
+    "radps": "rad/s",
+    "rad": "rad",
+    "mps": "m/s",
+    "m": "m",
+    "s": "s",
+    "hz": "Hz",
+}
+_LIMITS = {
+    "greater_than": ("gt", "greater than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+_INSTEAD_OF_TURBULENCE = 'use kind: gust, or kind: wind with an expression of t such as "2*sin(3*t) + sin(7*t)"'
+
+
+def explain(error: ValidationError, document: Document, root: type[BaseModel] = Scenario) -> list[InputError]:
+    """Return the errors of a file in the order of its schema `root`, each with the place of its key in `document`."""
+    told: list[InputError] = []
+    items = error.errors(include_url=False)
+    for item in items[:MAX_TOLD]:
+        key, model = _locate(item["loc"], root)
+        problems = item.get("ctx", {}).get("problems")
+        for problem in problems or [_problem(item, key, model)]:
+            full = (*key, *problem.key) if problems else problem.key
+            where = f"{document.place(full)}, key {key_text(full)}" if full else document.place(full)
+            told.append(InputError(where, found=problem.found, expected=problem.expected, remedy=problem.remedy))
+    if len(items) > MAX_TOLD:
+        more = f"{len(items) - MAX_TOLD} more errors"
+        told.append(InputError(document.file, found=more, expected="none", remedy="mend those above first"))
+    return told
+
+
+def _locate(loc: tuple[str | int, ...], root: type[BaseModel]) -> tuple[Key, type[BaseModel]]:
+    """Return the key path of a schema location, which names union members too, and the section its last part is in."""
+    key: list[str | int] = []
+    model = holder = root
+    choices: dict[str, type[BaseModel]] = {}
+    for part in loc:
+        if part in choices and len(choices) > 1:
+            model, choices = choices[str(part)], {}
+            continue
+        if len(choices) == 1 and not isinstance(part, int):
+            model = next(iter(choices.values()))
+            choices = {}
+        key.append(part)
+        if isinstance(part, str) and not choices:
+            holder = model
+            choices = _sections(model.model_fields[part].annotation) if part in model.model_fields else {}
+    return tuple(key), holder
+
+
+def _sections(annotation: Any) -> dict[str, type[BaseModel]]:
+    """Return the sections an annotation admits, by the name under which a union's errors tell them."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        kind = annotation.model_fields.get("kind")
+        return {kind.default if kind and isinstance(kind.default, str) else annotation.__name__: annotation}
+    return {name: model for part in typing.get_args(annotation) for name, model in _sections(part).items()}
+
+
+def _problem(item: Any, key: Key, model: type[BaseModel]) -> Problem:
+    kind, value, ctx = item["type"], item["input"], item.get("ctx", {})
+    name = str(key[-1]) if key else ""
+    found = describe(value)
+    unit = _unit(key)
+    match kind:
+        case "extra_forbidden":
+            return _unknown(key, model)
+        case "missing":
+            return Problem(key, "nothing", f"the key {name}{unit}", f"add {name}")
+        case "literal_error" | "union_tag_invalid" | "union_tag_not_found":
+            return _choice(item, key, value)
+        case "signal":
+            return _signal(key, value, ctx["problem"], unit)
+        case "float_type" | "finite_number":
+            remedy = "write a number"
+            if isinstance(value, str):
+                remedy += " without quotes; this key takes no expression of t"
+            return Problem(key, found, f"a finite number{unit}", remedy)
+        case "int_type":
+            return Problem(key, found, "a whole number", "write it without quotes and decimal point")
+        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
+            limit, words = _LIMITS[kind]
+            return Problem(key, found, f"a number {words} {ctx[limit]:g}{unit}", "choose a value within the limits")
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return Problem(key, found, "a section: key: value, or {key: value}", "write its keys below it, indented")
+        case "tuple_type" | "list_type":
+            return Problem(key, found, "a list", "write each entry after a dash, or [a, b]")
+        case "too_long" | "too_short":
+            wanted = ctx.get("max_length", ctx.get("min_length"))
+            return Problem(key, f"{ctx['actual_length']} entries", f"{wanted} entries", "give as many as expected")
+        case "string_type":
+            return Problem(key, found, "a text", "put it in quotes")
+        case "string_pattern_mismatch":
+            wanted = "letters, digits, dot, dash and underscore, beginning with a letter or digit"
+            return Problem(key, found, wanted, "the name becomes the name of a folder: choose a plain one")
+        case "string_too_long" | "string_too_short":
+            wanted = f"at most {ctx['max_length']}" if "max_length" in ctx else f"at least {ctx['min_length']}"
+            return Problem(key, f"{len(value)} characters", f"{wanted} characters", "choose another text")
+        case "turbulence":
+            expected = f"one of {', '.join(_disturbances())}"
+            return Problem((*key, "kind"), f"turbulence: {item['msg']}", expected, _INSTEAD_OF_TURBULENCE)
+        case "window":
+            return Problem(key, f"{value} s", item["msg"], "move end_s, or leave it out for the rest of the flight")
+    return Problem(key, found, item["msg"], "change the value")
+
+
+def _unit(key: Key) -> str:
+    """Return the unit a key's suffix names, for the end of a phrase; the m of A_m is none."""
+    name = next((part for part in reversed(key) if isinstance(part, str)), "")
+    known = (text for suffix, text in _UNITS.items() if name.endswith(f"_{suffix}") and name.islower())
+    return next((f", {text}" for text in known), "")
+
+
+def _unknown(key: Key, model: type[BaseModel]) -> Problem:
+    name, known = str(key[-1]), sorted(model.model_fields, key=lambda field: field != "kind")
+    near = difflib.get_close_matches(name, known, n=1)
+    remedy = f"did you mean {near[0]}?" if near else "remove it"
+    siblings = [k for k, other in _siblings(model).items() if name in other.model_fields]
+    if siblings:
+        remedy = f"remove it: it belongs to kind {' and '.join(siblings)}"
+    if model is OwnController and name in Controller.model_fields:
+        remedy = "remove it: a controller with a kind takes the place of both loops (as --controller does)"
+    if model is Controller and name == "options":
+        remedy = "remove it, or name the module of your own controller with kind (docs/custom-controller.md)"
+    if model.__name__ == "Gust" and name == "end_s":
+        remedy = "remove it: a gust ends by itself, at start_s + 2*ramp_s + hold_s"
+    return Problem(key, f"the unknown key {describe(name)}", f"one of {', '.join(known)}", remedy)
+
+
+def _siblings(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
+    """Return the sections that can stand in the place of `model`, by their kind."""
+    unions = [Scenario.model_fields["disturbances"].annotation]
+    unions += [_field.annotation for _field in Controller.model_fields.values()]
+    for union in unions:
+        sections = _sections(union)
+        if model in sections.values():
+            return {k: other for k, other in sections.items() if other is not model}
+    return {}
+
+
+def _disturbances() -> list[str]:
+    return [kind for kind in _sections(Scenario.model_fields["disturbances"].annotation) if kind != "turbulence"]
+
+
+def _choice(item: Any, key: Key, value: Any) -> Problem:
+    ctx = item.get("ctx", {})
+    if item["type"] == "literal_error":
+        expected = ctx["expected"]
+    else:  # the tag of a union: tell its key, not the section
+        key = (*key, "kind")
+        expected = ", ".join(_disturbances()) if key[0] == "disturbances" else ctx["expected_tags"]
+        value = value.get("kind") if isinstance(value, dict) else value
+    known = [word.strip().strip("'") for word in expected.replace(" or ", ", ").split(",")]
+    near = difflib.get_close_matches(str(value), known, n=1)
+    found = "nothing" if item["type"] == "union_tag_not_found" else describe(value)
+    remedy = f"did you mean {near[0]}?" if near else "choose one of them"
+    return Problem(key, found, f"one of {', '.join(known)}", remedy)
+
+
+def _signal(key: Key, value: Any, problem: str, unit: str) -> Problem:
+    found = f"{describe(value)}: {problem.splitlines()[0]}"
+    return Problem(key, found, f"a finite number or an expression of t{unit}", f"an expression knows {KNOWN}")
+
+
+def describe(value: object) -> str:
+    """Return a short account of a value as a user wrote it."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        text = value if len(value) <= 60 else f"{value[:57]}..."
+        return f"'{text}'" if text.isprintable() else repr(text)
+    if isinstance(value, dict):
+        return "a section with the keys " + ", ".join(map(str, list(value)[:8])) if value else "an empty section"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)}"
+    text = str(value)
+    return text if len(text) <= 40 else f"{text[:20]}... ({len(text)} digits)"

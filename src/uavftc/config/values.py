@@ -1,0 +1,170 @@
+"""The kinds of value a scenario file holds: numbers, lists of three, matrices, signals of t.
+
+Numbers are finite floats; a boolean or a text is not a number. Units are those of the key's suffix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from pydantic import (
+    AllowInfNan,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Strict,
+    WithJsonSchema,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from uavftc.config.expression import KNOWN, Expression
+
+
+class Model(BaseModel):
+    """Base of every section: immutable, unknown keys are errors."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+class Problem(NamedTuple):
+    """One fault of a scenario that concerns several keys: where it is told, and the three things a user needs."""
+
+    key: tuple[str | int, ...]
+    found: str
+    expected: str
+    remedy: str
+
+
+def refusal(problems: list[Problem]) -> PydanticCustomError:
+    """Return the validation error that carries `problems`, with keys relative to the section that raises it."""
+    told = "; ".join(f"{key_text(p.key)}: found {p.found}, expected {p.expected}" for p in problems)
+    return PydanticCustomError("problems", "{told}", {"told": told, "problems": problems})
+
+
+def key_text(key: tuple[str | int, ...]) -> str:
+    """Return a key path as a user writes it: ``faults[0].effectiveness``."""
+    text = ""
+    for part in key:
+        name = part if isinstance(part, int) or (part.isprintable() and len(part) <= 60) else repr(part[:60])
+        text += f"[{name}]" if isinstance(part, int) else f".{name}" if text else str(name)
+    return text
+
+
+def is_number(value: object) -> bool:
+    """Tell whether `value` is a number as a scenario means it; True and False are not."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+Number = Annotated[float, Strict(), AllowInfNan(False)]
+Positive = Annotated[Number, Field(gt=0)]
+NonNegative = Annotated[Number, Field(ge=0)]
+Whole = Annotated[int, Strict()]
+
+
+def _three(value: Any) -> Any:
+    """Broadcast a number to [roll, pitch, yaw]; refuse anything that is not a list of three."""
+    if is_number(value):
+        return (value,) * 3
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise PydanticCustomError("shape", "{wanted}", {"wanted": "a number, or a list of three: [roll, pitch, yaw]"})
+    return tuple(value)
+
+
+def list_of(n: int, wanted: str) -> BeforeValidator:
+    """Return the validator that admits only a list of `n`; an error tells what was `wanted`."""
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, list | tuple) or len(value) != n:
+            raise PydanticCustomError("shape", "{wanted}", {"wanted": wanted})
+        return tuple(value)
+
+    return BeforeValidator(check)
+
+
+def _matrix(value: Any) -> Any:
+    rows = value if isinstance(value, list | tuple) else ()
+    if len(rows) != 3 or any(not isinstance(row, list | tuple) or len(row) != 3 for row in rows):
+        wanted = "a 3x3 matrix: a list of three rows of three numbers"
+        raise PydanticCustomError("shape", "{wanted}", {"wanted": wanted})
+    return tuple(tuple(row) for row in rows)
+
+
+def _three_schema(item: dict[str, Any]) -> WithJsonSchema:
+    return WithJsonSchema({"anyOf": [item, {"type": "array", "items": item, "minItems": 3, "maxItems": 3}]})
+
+
+Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(_three), _three_schema({"type": "number"})]
+PositiveVector3 = Annotated[
+    tuple[Positive, Positive, Positive],
+    BeforeValidator(_three),
+    _three_schema({"type": "number", "exclusiveMinimum": 0}),
+]
+_Row = tuple[Number, Number, Number]
+Matrix3 = Annotated[tuple[_Row, _Row, _Row], BeforeValidator(_matrix)]
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """A number, or an expression of t read once; unit as the key that holds it."""
+
+    value: float | Expression
+
+    @property
+    def constant(self) -> float | None:
+        """The number, or None for an expression."""
+        return None if isinstance(self.value, Expression) else self.value
+
+    @property
+    def written(self) -> float | str:
+        """The number or the text as the file has it."""
+        return self.value.text if isinstance(self.value, Expression) else self.value
+
+    def sample(self, t: np.ndarray) -> np.ndarray:
+        """Return the values at the times `t`, s, same shape, float64."""
+        t = np.asarray(t, dtype=np.float64)
+        return self.value(t) if isinstance(self.value, Expression) else np.full(t.shape, self.value)
+
+    @classmethod
+    def of(cls, value: object) -> Signal:
+        """Return the signal of a number or a text.
+
+        Raises
+        ------
+        ValueError
+            For anything else, a number that is not finite, or a text that is no expression.
+        """
+        if isinstance(value, Signal):
+            return value
+        if isinstance(value, str):
+            return cls(Expression(value))
+        if not is_number(value):
+            raise ValueError("this is neither a number nor an expression of t")
+        try:
+            number = float(value)  # type: ignore[arg-type]
+        except OverflowError:
+            number = np.inf
+        if not np.isfinite(number):
+            raise ValueError("the number is not finite")
+        return cls(number)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            cls._validate, serialization=core_schema.plain_serializer_function_ser_schema(lambda s: s.written)
+        )
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"type": "number"}, {"type": "string", "description": f"expression: {KNOWN}"}]}
+
+    @classmethod
+    def _validate(cls, value: object) -> Signal:
+        try:
+            return cls.of(value)
+        except ValueError as error:
+            raise PydanticCustomError("signal", "{problem}", {"problem": str(error)}) from None

@@ -1,0 +1,1 @@
+"""Controllers from outside: a file, a module or an entry point."""

@@ -1,0 +1,1 @@
+"""Controllers that take the place of both loops."""

@@ -1,0 +1,64 @@
+"""Cascaded attitude autopilot, P on the attitude and PI with damping on the rates: the baseline everyone asks for.
+
+    v1 = g1(x1)^-1 omega_a (x1_c - x1)                      attitude loop: commanded body rates
+    e  = v1 - x2
+    z' = omega_r^2 e + omega_r B (v2 - v)                   integral term, rad/s^2, with anti-windup
+    v  = B^-1 ( 2 omega_r e + z - A x2 )                    rate loop: wanted angular acceleration to deflections
+    v2 = v within the limits
+
+The gains follow from the linear pair x2' = A x2 + B v2. B^-1 gives each axis its own angular acceleration, -A x2 takes
+the place of the aircraft's damping, and what is left on each axis, e' = -2 omega_r e - z, has both poles at -omega_r.
+While a surface is at its limit, the last term of z' draws the integral back at the rate omega_r.
+
+Options, rad/s: `attitude_bandwidth` omega_a, 0.5, the bandwidth of the paper's outer loop; `rate_bandwidth` omega_r, 3,
+six times faster, so that the two loops do not meet.
+
+Written in plain Python, as an example of `create(design, h, options)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import cos, remainder, sin, tau
+from typing import Any
+
+import numpy as np
+
+from uavftc.control.custom.controller import ControlDesign, positive_options
+
+Step = Callable[[float, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, dict[str, np.ndarray]]]
+
+
+def create(design: ControlDesign, h: float, options: Mapping[str, Any]) -> Step:
+    """Return the controller for a sample time h, s."""
+    chosen = positive_options(options, attitude_bandwidth=0.5, rate_bandwidth=3.0)
+    omega_a, omega_r = chosen["attitude_bandwidth"], chosen["rate_bandwidth"]
+    A, B, B_inverse = design.A, design.B, np.linalg.inv(design.B)
+    v_min, v_max = design.limits_rad.T
+    z = np.zeros(3)  # rad/s^2
+
+    def step(t: float, x1_c: np.ndarray, x1: np.ndarray, x2: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Return the deflections about trim, rad, and the commanded body rates, rad/s, for the history."""
+        nonlocal z
+        error = x1_c - x1
+        error[2] = remainder(error[2], tau)  # the short way round
+        v1 = rates_from_euler(x1) @ (omega_a * error)
+        e = v1 - x2
+        v = B_inverse @ (2.0 * omega_r * e + z - A @ x2)
+        v2 = np.minimum(np.maximum(v, v_min), v_max)
+        z = z + h * (omega_r**2 * e + omega_r * (B @ (v2 - v)))
+        return v2, {"v1": v1}
+
+    return step
+
+
+def rates_from_euler(x1: np.ndarray) -> np.ndarray:
+    """Return g1(x1)^-1, shape (3, 3): x2 = g1^-1 x1' with x1 = [phi, theta, psi], rad."""
+    phi, theta = x1[0], x1[1]
+    return np.array(
+        [
+            [1.0, 0.0, -sin(theta)],
+            [0.0, cos(phi), sin(phi) * cos(theta)],
+            [0.0, -sin(phi), cos(phi) * cos(theta)],
+        ]
+    )

@@ -1,0 +1,1 @@
+"""What a command does: fly, compare, design, the paper, the bench, campaigns."""

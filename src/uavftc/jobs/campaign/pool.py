@@ -1,0 +1,102 @@
+"""Many flights in parallel processes, each a function of its scenario alone."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uavftc.analysis.metrics import metrics_of
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import Outcome, fly_to_memory
+from uavftc.results.history import published
+from uavftc.scenario.schema import Scenario
+
+WORTH_A_POOL = 8  # flights; a worker starts in about two seconds, a flight takes a fraction of one
+
+
+class Flown(NamedTuple):
+    """What is kept of a flight."""
+
+    scenario: Scenario
+    """As flown."""
+    outcome: Outcome
+    axes: dict[str, dict[str, float | None]]
+    """The metrics, as in `summary.json`."""
+    history: dict[str, np.ndarray] | None
+    """Published columns, shape (N + 1,) each, where asked for."""
+    settings: dict[str, Any]
+    """How the plant was integrated and started."""
+
+
+def fly_one(scenario: Scenario, keep_history: bool = True) -> Flown:
+    """Fly a scenario in this process and return what is kept of it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be flown.
+    KeyboardInterrupt
+        After Ctrl-C: what is kept of one flight among many is all of it or nothing.
+    """
+    flight = build_flight(scenario)
+    records, outcome = fly_to_memory(flight)
+    if outcome.interrupted:
+        raise KeyboardInterrupt
+    axes = metrics_of(records, completed=outcome.completed)
+    return Flown(flight.scenario, outcome, axes, published(records) if keep_history else None, flight.plant.settings)
+
+
+def fly_all(
+    scenarios: Sequence[Scenario],
+    *,
+    keep_history: bool = True,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Flown]:
+    """Fly all scenarios and return what is kept of each, in their order; the result does not depend on `workers`.
+
+    Parameters
+    ----------
+    scenarios
+        What to fly.
+    keep_history
+        Whether to return the histories.
+    workers
+        Processes; by default as many as cores, and none besides this one for a handful of flights.
+    progress
+        Called with the number of flights done.
+
+    Raises
+    ------
+    InputError
+        Of the first scenario, in their order, that cannot be flown.
+    """
+    workers = min(workers or os.cpu_count() or 1, len(scenarios))
+    done: list[Flown] = []
+    if workers < 2 or len(scenarios) < WORTH_A_POOL:
+        for scenario in scenarios:
+            done.append(fly_one(scenario, keep_history))
+            if progress is not None:
+                progress(len(done))
+        return done
+    # The first flight here compiles what the workers then find in the cache.
+    done.append(fly_one(scenarios[0], keep_history))
+    rest = scenarios[1:]
+    # A fresh interpreter for each worker: JSBSim's logger belongs to the process that made it.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        chunk = max(1, len(rest) // (8 * workers))
+        try:
+            for flown in pool.map(fly_one, rest, [keep_history] * len(rest), chunksize=chunk):
+                done.append(flown)
+                if progress is not None:
+                    progress(len(done))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return done

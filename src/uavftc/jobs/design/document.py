@@ -1,0 +1,175 @@
+"""A design as numbers: trim, linear pair, gains, L1 norms, and the bounds of the paper's theorems where they exist.
+
+The document is what `uavftc design --json` prints. What the trim and the linear model of JSBSim say is put together in
+`trimmed.py`, what a flight adds in `beside.py`, and what the theory says of the inner loop here. Where a number does
+not exist it is None, and a `reason` beside it says why. Names ending in `_A_m` are the figures with A_m, the matrix of
+the plant (27), in the place of A_s.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from uavftc.aircraft.definition import load_aircraft
+from uavftc.analysis.l1_condition import ACCURACY, Given, Norms, condition_33, norms_of, theorem_2, theorem_3
+from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
+from uavftc.errors import InputError
+from uavftc.jobs.design.reference import flight_document, inner_of, l1_of
+from uavftc.jobs.design.trimmed import design_model, trimmed_sections
+from uavftc.scenario.controllers import L1Inner
+from uavftc.scenario.load import load_scenario
+from uavftc.scenario.schema import Scenario
+
+DEFAULT_SCENARIO = "scenario1"
+INVERTIBLE = 1e8  # condition number of B_m up to which the schema takes one
+NO_INVERSE = "B_m has no inverse: not every axis answers to its surface"
+_NORMS = {
+    "l1_norm_H": "H",
+    "l1_norm_G": "G",
+    "l1_norm_HCK": "HCK",
+    "l1_norm_C": "C",
+    "l1_norm_initial": "initial",
+    "l1_norm_HCH_s": "HCH_s",
+    "l1_norm_CH_s": "CH_s",
+}
+
+
+def design_document(
+    aircraft_name: str,
+    *,
+    scenario: Scenario | None = None,
+    flight: Scenario | None = None,
+    given: Given | None = None,
+    omega: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> dict[str, Any]:
+    """Return the design of an aircraft's inner loop as one document of numbers, lists, texts and None.
+
+    Parameters
+    ----------
+    aircraft_name
+        As `load_aircraft`.
+    scenario
+        Controller, initial condition and reference are taken from it; default: those of `flight`, or of
+        `DEFAULT_SCENARIO`, which is the paper's controller, the aircraft's own condition, and 5 deg on each axis.
+    flight
+        Flown, and compared with the bounds; its controller must be that of `scenario`, where both are given.
+    given
+        What condition (33) and Theorem 3 are stated for.
+    omega
+        Effectiveness of aileron, elevator and rudder in C(s).
+
+    Raises
+    ------
+    InputError
+        If the aircraft cannot be loaded or trimmed, or the inner loop is not L1. An aircraft that trims and that the
+        controller cannot fly is no error here: its `verdict` is `refused`, with the `reasons`.
+    """
+    given = given or Given()
+    aircraft = load_aircraft(aircraft_name, "AIRCRAFT")
+    source = scenario or flight or load_scenario(DEFAULT_SCENARIO, aircraft=aircraft_name)
+    inner = l1_of(inner_of(source), source)
+    if scenario is not None and flight is not None and inner_of(flight) != inner:
+        raise InputError(
+            f"--flight {flight.name}",
+            found=f"another inner loop than that of --scenario {scenario.name}",
+            expected="one design: its bounds, and a flight with it",
+            remedy="leave --scenario out; the design is then that of the flight",
+        )
+    model = design_model(source, aircraft)
+    document: dict[str, Any] = {"aircraft": aircraft.name, **trimmed_sections(source, model)}
+    B_m = np.array(inner.B_m or (aircraft.analytic.B_m if aircraft.analytic else model.B_rates))
+    document |= theory(inner, model.A_rates, B_m, given, omega)
+    if flight is not None:
+        document["flight"] = flight_document(flight)
+    return plain(document)
+
+
+def theory(
+    inner: L1Inner, A: np.ndarray, B_m: np.ndarray, given: Given, omega: tuple[float, float, float]
+) -> dict[str, Any]:
+    """Return gains, norms and bounds of an inner loop on a plant x2' = A x2 + B_m u; what has no B_m^-1 is None."""
+    A_m, K_1, Q = np.array(inner.A_m), np.array(inner.K_1), np.array(inner.Q)
+    A_s = A_m + K_1
+    P = lyapunov_P(A_s, Q)
+    invertible = bool(np.linalg.cond(B_m) < INVERTIBLE)
+    K = reference_gain(A_m if inner.reference_gain == "plant" else A_s, B_m) if invertible else None
+    document: dict[str, Any] = {"B_m": B_m, "A_m": A_m, "K_1": K_1, "A_s": A_s, "Q": Q}
+    document |= {
+        "reference_gain": inner.reference_gain,
+        "K": K,
+        "K_2": reference_gain(A_s, B_m) if invertible else None,
+        "K_0": np.array(inner.K_0),
+        "K_0_matching_A": erzberger_K_0(A, A_m, B_m) if invertible else None,
+        "P": P,
+        "lyapunov_residual": float(np.max(np.abs(A_s.T @ P + P @ A_s + Q))),
+        "eigenvalues_A_m": _pairs(A_m),
+        "eigenvalues_A_s": _pairs(A_s),
+        "adaptation_gain": inner.adaptation_gain,
+        "filter_bandwidth": inner.filter_bandwidth,
+        "omega": list(omega),
+        "l1_norm_accuracy": ACCURACY,
+        **given._asdict(),
+    }
+    for suffix, matrix in (("", A_s), ("_A_m", A_m)):
+        if K is None:
+            document |= bounds(None, given, suffix, NO_INVERSE)
+            continue
+        try:
+            norms = norms_of(
+                matrix, A_s=A_s, B_m=B_m, K=K, filter_bandwidth=inner.filter_bandwidth, omega=np.array(omega)
+            )
+        except ValueError as error:  # A_m need not be stable, A_s is
+            document |= bounds(None, given, suffix, str(error))
+        else:
+            document |= bounds(norms, given, suffix)
+    document["theorem_2"] = _theorem_2(A_s, B_m, Q)
+    return document
+
+
+def bounds(norms: Norms | None, given: Given, suffix: str, reason: str | None = None) -> dict[str, Any]:
+    """Return norms, condition (33) and Theorem 3 under their names in the document; all None for no norms."""
+    if norms is None:
+        keys = [*_NORMS, "sigma_in", "condition_holds", "lipschitz_max", "gamma_1", "gamma_2"]
+        texts = ["condition_reason", "lipschitz_max_is", "reason"]
+        return {f"{k}{suffix}": None for k in keys} | {f"{k}{suffix}": reason for k in texts}
+    condition = condition_33(norms, given)
+    theorem = theorem_3(norms, given, condition)
+    values = {name: getattr(norms, field) for name, field in _NORMS.items()} | {
+        "sigma_in": condition.sigma_in,
+        "condition_holds": condition.holds,
+        "condition_reason": condition.reason,
+        "lipschitz_max": condition.lipschitz_max,
+        "lipschitz_max_is": condition.lipschitz_max_is,
+        **theorem._asdict(),
+    }
+    return {f"{name}{suffix}": value for name, value in values.items()}
+
+
+def _theorem_2(A_s: np.ndarray, B_m: np.ndarray, Q: np.ndarray) -> dict[str, Any]:
+    """Return Theorem 2's coefficients for the design's Q, and for Q = 2 I, which has them."""
+    result: dict[str, Any] = {"lambda_min_Q": float(np.linalg.eigvalsh(Q)[0]), "per_V": None, "per_e": None}
+    result["reason"] = "lambda_min(Q) is not above 1: eq. (44) divides by lambda_min(Q) - 1"
+    if (own := theorem_2(lyapunov_P(A_s, Q), B_m, Q)) is not None:
+        result |= own._asdict() | {"reason": None}
+    doubled = theorem_2(lyapunov_P(A_s, 2.0 * np.eye(3)), B_m, 2.0 * np.eye(3))
+    return result | {"with_Q_2I": None if doubled is None else doubled._asdict()}
+
+
+def _pairs(matrix: np.ndarray) -> list[list[float]]:
+    """Return the eigenvalues as [real, imaginary], the slowest first."""
+    values = sorted(np.linalg.eigvals(matrix), key=lambda z: (-z.real, z.imag))
+    return [[float(z.real), float(z.imag)] for z in values]
+
+
+def plain(value: Any) -> Any:
+    """Return a document with NumPy's numbers and arrays as Python's, and None for what is not finite."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

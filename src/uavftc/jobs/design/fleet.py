@@ -1,0 +1,182 @@
+"""The aircraft at hand, ours and JSBSim's: does each trim, and can the controller fly it?
+
+Each is measured in a child process (`plants/jsbsim/model.py`), several at a time, and its row is kept in the user's
+cache under the checksum of its files and of the code that judged it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import json
+import os
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import platformdirs
+
+from uavftc.aircraft.definition import STOCK, Aircraft, load_aircraft, stock_names
+from uavftc.analysis import authority
+from uavftc.config import shipped as resources
+from uavftc.core.signals import AXES
+from uavftc.errors import InputError
+from uavftc.flight import build
+from uavftc.jobs.design import trimmed
+from uavftc.plants.jsbsim.model import cache_dir
+from uavftc.scenario import controllers
+from uavftc.scenario.load import load_scenario
+
+SCENARIO = "scenario1"  # steps of 5 deg on every axis
+METRES = {"M": 1.0, "FT": 0.3048, "IN": 0.0254}
+
+Row = dict[str, Any]
+Progress = Callable[[int], None]
+
+
+def names() -> list[str]:
+    """Return the names of all aircraft at hand, as `load_aircraft` takes them."""
+    return [*resources.aircraft_names(), *(f"{STOCK}{name}" for name in stock_names())]
+
+
+def fleet(
+    wanted: Sequence[str],
+    *,
+    quick: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> list[Row]:
+    """Return one row an aircraft, in their order.
+
+    Parameters
+    ----------
+    wanted
+        Names as `load_aircraft` takes them.
+    quick
+        Measure nothing: what is not in the cache has `measured` false, and nothing else.
+    workers
+        Aircraft measured at a time; by default as many as cores.
+    progress
+        Called with the number of rows known, now and then.
+    """
+    rows = {name: cached(name) for name in wanted}
+    missing = [name for name, row in rows.items() if row is None]
+    if not quick and missing:
+        with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+            stopped = threading.Event()
+            pending = {pool.submit(_uninterrupted, name, stopped): name for name in missing}
+            try:
+                while pending:
+                    done, _ = wait(pending, timeout=0.5, return_when=FIRST_COMPLETED)
+                    for future in done:
+                        name = pending.pop(future)
+                        rows[name] = row = future.result()
+                        _keep(name, row)
+                    if progress is not None:
+                        progress(len(rows) - len(pending))
+            except BaseException:
+                stopped.set()
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+    return [rows[name] or _row(name, measured=False) for name in wanted]
+
+
+def _uninterrupted(name: str, stopped: threading.Event) -> Row:
+    """Return `row_of`, unless Ctrl-C has ended its child: nothing more is begun then."""
+    if not stopped.is_set():
+        row = row_of(name)
+        if "(SIGINT)" not in (row["reason"] or ""):
+            return row
+        stopped.set()
+    raise KeyboardInterrupt
+
+
+def row_of(name: str) -> Row:
+    """Return the row of one aircraft, measured: what `fleet` keeps."""
+    try:
+        aircraft = load_aircraft(name)
+        scenario = load_scenario(SCENARIO, aircraft=name)
+        model = trimmed.design_model(scenario, aircraft)
+    except InputError as error:
+        return _row(name, measured=True, reason=error.found)
+    reasons = build.reasons_against(scenario, model)
+    section = trimmed.authority_section(scenario, model)
+    ratios = {axis: section[axis]["ratio"] for axis in AXES if section[axis] is not None}
+    weakest = min(ratios, key=lambda axis: ratios[axis]) if ratios else None
+    return _row(
+        name,
+        measured=True,
+        mass_kg=model.mass_kg,
+        span_m=span(aircraft),
+        engines=model.engines,
+        trims=True,
+        method=model.trim["method"],
+        airspeed_mps=model.trim["airspeed"],
+        altitude_m=model.trim["altitude"],
+        flyable=not reasons,
+        weakest_axis=weakest,
+        ratio=float(ratios[weakest]) if weakest and np.isfinite(ratios[weakest]) else None,
+        reason="; ".join(reasons) or None,
+    )
+
+
+def _row(name: str, *, measured: bool, **known: Any) -> Row:
+    row: Row = {
+        "aircraft": name, "measured": measured, "mass_kg": None, "span_m": None, "engines": None,
+        "trims": False if measured else None, "method": None, "airspeed_mps": None, "altitude_m": None,
+        "flyable": False if measured else None, "weakest_axis": None, "ratio": None, "reason": None,
+    }  # fmt: skip
+    return row | known
+
+
+def span(aircraft: Aircraft) -> float | None:
+    """Return the wing span, m, of the companion file or the XML; None where it has none."""
+    if aircraft.mass_properties is not None:
+        return aircraft.mass_properties.span_m
+    with contextlib.suppress(OSError, ValueError, ElementTree.ParseError):
+        element = ElementTree.parse(aircraft.xml).find("metrics/wingspan")
+        if element is not None and element.text:
+            return float(element.text) * METRES.get(element.get("unit", "FT").upper(), 1.0)
+    return None
+
+
+# --- the cache -------------------------------------------------------------------------------------------------------
+
+
+def cached(name: str) -> Row | None:
+    """Return the row of an aircraft from the cache, None where there is none."""
+    with contextlib.suppress(OSError, ValueError, InputError):
+        row = json.loads(_file(name).read_text(encoding="utf-8"))
+        if isinstance(row, dict) and row.keys() == _row(name, measured=True).keys():
+            return row
+    return None
+
+
+def _keep(name: str, row: Row) -> None:
+    if row["reason"] and "does not finish" in row["reason"]:  # the machine may have been busy
+        return
+    with contextlib.suppress(OSError, InputError):
+        file = _file(name)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        partial = file.with_suffix(f".{os.getpid()}")
+        partial.write_text(json.dumps(row), encoding="utf-8")
+        partial.replace(file)
+
+
+def _file(name: str) -> Path:
+    return platformdirs.user_cache_path("uavftc") / "fleet" / _code() / f"{load_aircraft(name).sha256()[:32]}.json"
+
+
+@functools.cache
+def _code() -> str:
+    """Return the checksum of what a row depends on beside the aircraft."""
+    digest = hashlib.sha256(cache_dir().name.encode())
+    for module in (__file__, trimmed.__file__, build.__file__, authority.__file__, controllers.__file__):
+        digest.update(Path(module).read_bytes())
+    digest.update((resources.scenario_dir() / f"{SCENARIO}.yaml").read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,137 @@
+"""A design beside a flight: the prediction error, the reference system (45), and the bounds where they hold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from uavftc.analysis.l1_condition import Given, norms_of, theorem_3
+from uavftc.analysis.reference_system import (
+    Replay,
+    assumptions_not_met,
+    differences,
+    lumped_disturbance,
+    replay,
+    simulate,
+)
+from uavftc.control.gains import reference_gain
+from uavftc.errors import InputError
+from uavftc.flight.build import Flight, build_flight, inner_blocks, rotational_model
+from uavftc.flight.fly import fly_to_memory
+from uavftc.scenario.controllers import Controller, L1Inner, MracInner
+from uavftc.scenario.schema import Scenario
+
+SAMPLED = (
+    "the bounds are those of the continuous law; the law that flew is sampled, and what that adds to the differences "
+    "shrinks in proportion to the sample time"
+)
+
+
+def flight_document(scenario: Scenario) -> dict[str, Any]:
+    """Fly a scenario, on its plant and on the analytic one, and return the observed maxima beside the bounds.
+
+    Raises
+    ------
+    InputError
+        If the flight cannot be built, or its inner loop is not L1.
+    """
+    l1_of(inner_of(scenario), scenario)
+    flight = build_flight(scenario)
+    flights = [_flown(flight)]
+    if scenario.plant != "analytic" and not flight.inputs.has_wind:
+        flights.append(_flown(build_flight(scenario.model_copy(update={"plant": "analytic"}))))
+    return {"scenario": scenario.name, "flights": flights}
+
+
+def _flown(flight: Flight) -> dict[str, Any]:
+    records, outcome = fly_to_memory(flight)
+    if outcome.interrupted:
+        raise KeyboardInterrupt
+    inner, h = l1_of(inner_of(flight.scenario), flight.scenario), 1.0 / flight.scenario.controller.rate_hz
+    (block,) = inner_blocks(inner, h, float(flight.plant.x1_trim[2]))
+    state = replay(block, records)
+    result = {
+        "plant": flight.scenario.plant,
+        "completed": outcome.completed,
+        "ended_because": outcome.ended_because,
+        "rate_hz": flight.scenario.controller.rate_hz,
+        "max_r_radps": np.max(np.abs(records["v1"]), axis=0),
+        "max_x2_tilde_radps": np.max(np.abs(state.x2_tilde), axis=0),
+        "gamma_0": float(np.max(np.abs(state.x2_tilde))),
+        "assumptions_not_met": assumptions_not_met(records, flight.scenario.limits_rad()),
+        "reference_system": None,
+        "bounds": None,
+        "reason": None,
+    }
+    if flight.scenario.plant != "analytic":
+        result["reason"] = "eta is known on the analytic plant alone"
+    elif len(records) < 2:
+        result["reason"] = "the flight has less than two samples"
+    else:
+        result |= _beside_reference(flight, records, state, result)
+    return result
+
+
+def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: dict[str, Any]) -> dict[str, Any]:
+    """Return the reference system, printed and with A_m, beside a flight on the analytic plant."""
+    inner = l1_of(inner_of(flight.scenario), flight.scenario)
+    inertia, A_l, B_l = rotational_model(flight.aircraft, flight.model)
+    A_m, B_m, k = np.array(inner.A_m), np.array(inner.B_m), inner.filter_bandwidth
+    A_s = A_m + np.array(inner.K_1)
+    K_2 = reference_gain(A_s, B_m)
+    K = reference_gain(A_m, B_m) if inner.reference_gain == "plant" else K_2
+    eta = lumped_disturbance(
+        records,
+        state.v_ad,
+        inertia=inertia,
+        A_l=A_l,
+        B_l=B_l,
+        A_m=A_m,
+        B_m=B_m,
+    )
+    systems: dict[str, Any] = {}
+    limits: dict[str, Any] | None = None if told["assumptions_not_met"] else {}
+    given = Given(lipschitz=0.0, gamma_0=told["gamma_0"])
+    for name, A, gain in (("A_s_K_2", A_s, K_2), ("A_s", A_s, K), ("A_m", A_m, K)):
+        found = differences(
+            records,
+            state.v_ad,
+            simulate(records, eta, A=A, B_m=B_m, K=gain, filter_bandwidth=k, v_start=state.v_ad[0]),
+        )
+        largest = float(np.max(found.x2))
+        systems[name] = {
+            "max_x_ref_minus_x2_radps": found.x2,
+            "largest_radps": largest,
+            "share_of_max_r": largest / max(float(np.max(told["max_r_radps"])), 1e-300),
+            "max_v_ref_minus_v_ad_rad": found.v_ad,
+            "largest_rad": float(np.max(found.v_ad)),
+        }
+        if limits is not None and name != "A_s_K_2":
+            omega = records["effectiveness"][0]
+            bound = theorem_3(norms_of(A, A_s=A_s, B_m=B_m, K=gain, filter_bandwidth=k, omega=omega), given)
+            limits[name] = {
+                "gamma_1": bound.gamma_1,
+                "gamma_2": bound.gamma_2,
+                "x2_within": bound.gamma_1 is not None and largest <= bound.gamma_1,
+                "v_ad_within": bound.gamma_2 is not None and systems[name]["largest_rad"] <= bound.gamma_2,
+            }
+    reason = SAMPLED if limits is not None else "no bound: assumptions are not met"
+    return {"reference_system": systems, "bounds": limits, "reason": reason}
+
+
+def inner_of(scenario: Scenario) -> L1Inner | MracInner | None:
+    """Return the inner loop of a scenario's controller, None of one that is a module of one's own."""
+    return scenario.controller.inner if isinstance(scenario.controller, Controller) else None
+
+
+def l1_of(inner: L1Inner | MracInner | None, scenario: Scenario | None) -> L1Inner:
+    """Return the inner loop, or refuse one that is not L1 with an `InputError`."""
+    if isinstance(inner, L1Inner):
+        return inner
+    raise InputError(
+        f"{'' if scenario is None else scenario.name}, key controller.inner.kind",
+        found="an own controller, which has none" if inner is None else "mrac, which has no filter C(s)",
+        expected="l1",
+        remedy="give a scenario with controller.inner.kind: l1, or none",
+    )

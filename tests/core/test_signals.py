@@ -1,0 +1,100 @@
+"""The signal row and the columns published from it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from uavftc.core import signals
+from uavftc.core.signals import COLUMNS, ROW, ROW_WIDTH, as_records, attitude_error, column, empty_rows
+
+ANGLE = st.floats(-20.0, 20.0)
+
+
+def test_row_is_a_flat_buffer_of_float64():
+    # laws take a row as a record, the recorder and the loop take it as numbers: the layout has no gap
+    assert all(ROW[name].base == np.dtype("f8") for name in ROW.names)
+    assert ROW.itemsize == 8 * ROW_WIDTH == 8 * sum(int(np.prod(ROW[name].shape)) for name in ROW.names)
+    rows = empty_rows(4)
+    assert rows.shape == (4, ROW_WIDTH)
+    assert rows.flags.c_contiguous
+    assert not rows.any()
+
+
+def test_records_are_the_same_memory():
+    # what a law writes under a name is in the row, and the other way round
+    rows = empty_rows(3)
+    records = as_records(rows)
+    assert records.shape == (3,)
+    records["x1"][1] = [1.0, 2.0, 3.0]
+    start = ROW.fields["x1"][1] // 8
+    np.testing.assert_array_equal(rows[1, start : start + 3], [1.0, 2.0, 3.0])
+    rows[2] = np.arange(ROW_WIDTH)
+    assert records["x1"][2, 0] == start
+    assert as_records(rows[1:])["x1"][0, 1] == 2.0  # of a slice as well
+
+
+def test_columns_are_unique_exist_and_carry_their_unit():
+    # names are the interface to whoever reads the history
+    names = [c.name for c in COLUMNS]
+    assert len(set(names)) == len(names)
+    assert names[0] == "time_s"
+    unitless = {"effectiveness_aileron", "effectiveness_elevator", "effectiveness_rudder", "throttle"}
+    endings = ("_s", "_rad", "_radps", "_radps2", "_mps", "_m")
+    assert {n for n in names if not n.endswith(endings)} == unitless
+    for c in COLUMNS:
+        assert ROW[c.field].shape == (() if c.component is None else (3,))
+
+
+def test_column_takes_the_field_and_index_it_names():
+    # each row element holds its own position: no column may be crossed with another
+    rows = np.arange(2 * ROW_WIDTH, dtype=float).reshape(2, ROW_WIDTH)
+    records = as_records(rows)
+    for c in COLUMNS:
+        if c.name == "psi_rad":
+            continue
+        position = ROW.fields[c.field][1] // 8 + (c.component or 0)
+        np.testing.assert_array_equal(column(records, c.name), [position, position + ROW_WIDTH], err_msg=c.name)
+    for name, field, component in (
+        ("q_ref_radps", "v1", 1),
+        ("rudder_cmd_rad", "v2", 2),
+        ("aileron_rad", "u2", 0),
+        ("r_meas_radps", "x2_meas", 2),
+    ):
+        np.testing.assert_array_equal(column(records, name), records[field][:, component])
+    with pytest.raises(KeyError):
+        column(records, "no_such_column")
+
+
+@settings(deadline=None)
+@given(psi=ANGLE, psi_c=ANGLE)
+def test_heading_is_published_within_half_a_turn_of_its_reference(psi, psi_c):
+    # psi is continuous in the row; in the history it lies beside its reference, whole turns away
+    records = as_records(empty_rows(1))
+    records["x1"][0, 2], records["x1_c"][0, 2] = psi, psi_c
+    (published,) = column(records, "psi_rad")
+    assert abs(published - psi_c) <= np.pi + 1e-9
+    turns = (published - psi) / (2 * np.pi)
+    assert turns == pytest.approx(round(turns), abs=1e-9)
+    assert records["x1"][0, 2] == psi  # the row itself is left alone
+
+
+@settings(deadline=None)
+@given(x1=st.tuples(ANGLE, ANGLE, ANGLE), x1_c=st.tuples(ANGLE, ANGLE, ANGLE))
+def test_attitude_error_is_command_minus_attitude(x1, x1_c):
+    # bank and pitch as they are, the heading the short way round: equal sine and cosine, at most half a turn
+    records = as_records(empty_rows(1))
+    records["x1"], records["x1_c"] = x1, x1_c
+    (error,) = attitude_error(records)
+    plain = np.array(x1_c) - x1
+    np.testing.assert_array_equal(error[:2], plain[:2])
+    assert abs(error[2]) <= np.pi + 1e-9
+    np.testing.assert_allclose(np.exp(1j * error[2]), np.exp(1j * plain[2]), atol=1e-13)
+
+
+def test_names_of_axes_and_surfaces_match_the_order_of_the_vectors():
+    # lists of three in scenarios and summaries count in this order
+    assert signals.AXES == ("roll", "pitch", "yaw")
+    assert signals.SURFACES == ("aileron", "elevator", "rudder")

@@ -1,0 +1,330 @@
+"""A result folder is written whole or not at all, and nothing of the user's is lost."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from uavftc.errors import InputError
+from uavftc.results import folder as results
+from uavftc.results.folder import KNOWN_FILES, ResultFolder
+from uavftc.results.summary import write_json
+
+OURS = {"provenance": {"uavftc": "0.1.0"}}
+
+
+def fill(folder: Path, run: int = 1) -> None:
+    (folder / "figures").mkdir(parents=True)
+    write_json(folder / "summary.json", OURS | {"run": run})
+    (folder / "history.parquet").write_bytes(b"h")
+    (folder / "figures" / "tracking.png").write_bytes(b"p")
+
+
+def fly(target: Path, run: int = 1) -> None:
+    with ResultFolder(target) as folder:
+        fill(folder.path, run)
+
+
+def tree(folder: Path) -> dict[str, bytes | None]:
+    """Everything beneath, hidden files too."""
+    return {str(p.relative_to(folder)): p.read_bytes() if p.is_file() else None for p in sorted(folder.rglob("*"))}
+
+
+def dead_pid() -> int:
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+    return process.pid
+
+
+def test_the_folder_appears_only_when_complete_and_leaves_nothing_beside(tmp_path):
+    target = tmp_path / "a" / "b" / "run"
+    with ResultFolder(target) as folder:
+        assert folder.path == tmp_path / "a" / "b" / f".run.partial-{os.getpid()}"
+        fill(folder.path)
+        assert not target.exists()
+    assert set(os.listdir(target)) == {"summary.json", "history.parquet", "figures"}
+    assert os.listdir(target.parent) == ["run"]
+
+
+def test_check_writes_nothing(tmp_path):
+    ResultFolder(tmp_path / "a" / "b").check()
+    assert tree(tmp_path) == {}
+
+
+def test_an_exception_leaves_no_trace_of_the_flight(tmp_path):
+    def broken() -> None:
+        with ResultFolder(tmp_path / "new" / "deep" / "run") as folder:
+            fill(folder.path)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        broken()
+    assert tree(tmp_path) == {}  # the parents made for it are gone too
+
+
+def test_parents_that_somebody_else_uses_meanwhile_stay(tmp_path):
+    folder = ResultFolder(tmp_path / "new" / "run")
+    folder.open()
+    (tmp_path / "new" / "notes.txt").write_text("mine")
+    folder.discard()
+    assert tree(tmp_path) == {"new": None, "new/notes.txt": b"mine"}
+
+
+def test_an_empty_folder_may_be_used(tmp_path):
+    (tmp_path / "run").mkdir()
+    fly(tmp_path / "run")
+    assert (tmp_path / "run" / "summary.json").exists()
+
+
+def test_old_results_are_replaced_whole(tmp_path):
+    fly(tmp_path / "run", run=1)
+    (tmp_path / "run" / "report.html").write_text("old")
+    fly(tmp_path / "run", run=2)
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    assert not (tmp_path / "run" / "report.html").exists()  # no mixture of two flights
+    assert os.listdir(tmp_path) == ["run"]
+
+
+def test_old_results_survive_a_flight_that_fails(tmp_path):
+    fly(tmp_path / "run")
+    before = tree(tmp_path)
+
+    def broken() -> None:
+        with ResultFolder(tmp_path / "run") as folder:
+            fill(folder.path, run=2)
+            raise RuntimeError("boom")
+
+    with pytest.raises(RuntimeError, match="boom"):
+        broken()
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    "stray", ["notes.txt", "figures/mine.png", "figures/sub/x", "empty/", ".hidden", "history.csv"]
+)
+def test_a_folder_with_a_file_of_the_users_is_refused_by_name(tmp_path, stray):
+    fly(tmp_path / "run")
+    path = tmp_path / "run" / stray
+    path.parent.mkdir(exist_ok=True)
+    path.mkdir() if stray.endswith("/") else path.write_text("mine")
+    before = tree(tmp_path)
+    with pytest.raises(InputError, match=stray.split("/x")[0].rstrip("/")):
+        ResultFolder(tmp_path / "run").check()
+    assert tree(tmp_path) == before
+
+
+def test_a_link_in_the_folder_is_the_users(tmp_path):
+    fly(tmp_path / "run")
+    elsewhere = tmp_path / "kept.parquet"
+    (tmp_path / "run" / "history.parquet").rename(elsewhere)
+    (tmp_path / "run" / "history.parquet").symlink_to(elsewhere)
+    with pytest.raises(InputError, match=r"history\.parquet"):
+        ResultFolder(tmp_path / "run").check()
+
+
+@pytest.mark.parametrize("text", [None, "{", "[]", '{"provenance": {}}', '{"provenance": "uavftc"}', '{"a": 1}'])
+def test_files_named_like_ours_without_our_summary_are_not_ours(tmp_path, text):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "scenario.yaml").write_text("name: written by hand")
+    if text is not None:
+        (tmp_path / "run" / "summary.json").write_text(text)
+    with pytest.raises(InputError, match=r"no summary\.json of uavftc"):
+        ResultFolder(tmp_path / "run").check()
+    assert (tmp_path / "run" / "scenario.yaml").read_text() == "name: written by hand"
+
+
+@pytest.mark.parametrize("target", ["file", "file/run", "file/deep/run"])
+def test_a_file_in_the_way_is_refused(tmp_path, target):
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(InputError, match=r"a file|not a folder"):
+        ResultFolder(tmp_path / target).check()
+    assert tree(tmp_path) == {"file": b"mine"}
+
+
+def test_a_parent_that_may_not_be_written_is_refused_before_the_flight(tmp_path, monkeypatch):
+    monkeypatch.setattr(results.os, "access", lambda path, mode: Path(path) != tmp_path)  # root may write anywhere
+    with pytest.raises(InputError, match="may not be written"):
+        ResultFolder(tmp_path / "a" / "run").check()
+
+
+def test_a_place_that_turns_out_unwritable_is_an_input_error_and_leaves_nothing(tmp_path):
+    with pytest.raises(InputError, match="too long"):
+        ResultFolder(tmp_path / "new" / ("n" * 250)).open()  # the hidden name is longer than a name may be
+    assert tree(tmp_path) == {}
+
+
+def test_the_working_folder_and_those_above_are_refused(tmp_path, monkeypatch):
+    (tmp_path / "run" / "figures").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "run" / "figures")
+    for target in (".", "..", "/"):
+        with pytest.raises(InputError, match="working folder"):
+            ResultFolder(Path(target)).check()
+
+
+def test_a_file_put_in_during_the_flight_is_safe_and_nothing_is_replaced(tmp_path):
+    fly(tmp_path / "run", run=1)
+
+    def disturbed() -> None:
+        with ResultFolder(tmp_path / "run") as folder:
+            fill(folder.path, run=2)
+            (tmp_path / "run" / "notes.txt").write_text("mine")
+
+    with pytest.raises(InputError, match=r"notes\.txt"):
+        disturbed()
+    assert (tmp_path / "run" / "notes.txt").read_text() == "mine"
+    assert b'"run": 1' in (tmp_path / "run" / "summary.json").read_bytes()
+    assert os.listdir(tmp_path) == ["run"]
+
+
+def test_a_file_put_in_between_the_look_and_the_move_is_safe(tmp_path, monkeypatch):
+    fly(tmp_path / "run", run=1)
+    check = ResultFolder.check
+
+    def check_then_intrude(self: ResultFolder) -> None:
+        check(self)
+        if self.path.exists():
+            (tmp_path / "run" / "notes.txt").write_text("mine")
+
+    monkeypatch.setattr(ResultFolder, "check", check_then_intrude)
+    with pytest.raises(InputError, match=r"notes\.txt"):
+        fly(tmp_path / "run", run=2)
+    assert (tmp_path / "run" / "notes.txt").read_text() == "mine"
+    assert os.listdir(tmp_path) == ["run"]
+
+
+def test_a_file_put_in_at_the_very_last_moment_is_not_removed_with_the_old_results(tmp_path, monkeypatch):
+    fly(tmp_path / "run", run=1)
+    rename = Path.rename
+
+    def intrude(self: Path, target: Path) -> Path:
+        if ".partial-" in self.name:
+            (tmp_path / f".run.old-{os.getpid()}" / "notes.txt").write_text("mine")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", intrude)
+    fly(tmp_path / "run", run=2)
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    assert tree(tmp_path / f".run.old-{os.getpid()}") == {"notes.txt": b"mine"}
+
+
+def test_a_mount_point_is_refused_because_it_cannot_be_renamed(tmp_path, monkeypatch):
+    (tmp_path / "out").mkdir()
+    monkeypatch.setattr(os.path, "ismount", lambda path: Path(path) == tmp_path / "out")
+    with pytest.raises(InputError, match="mount point"):
+        ResultFolder(tmp_path / "out").check()
+    ResultFolder(tmp_path / "out" / "run").check()  # the remedy it names
+
+
+def test_the_old_folder_comes_back_if_the_new_one_cannot_be_moved_in(tmp_path, monkeypatch):
+    fly(tmp_path / "run", run=1)
+    before = tree(tmp_path)
+    rename = Path.rename
+
+    def failing(self: Path, target: Path) -> Path:
+        if ".partial-" in self.name:
+            raise OSError("disk trouble")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", failing)
+    with pytest.raises(InputError, match="disk trouble"):
+        fly(tmp_path / "run", run=2)
+    assert tree(tmp_path) == before
+
+
+def test_what_a_killed_flight_left_is_removed_but_not_what_others_need(tmp_path):
+    dead = dead_pid()
+    fill(tmp_path / f".run.partial-{dead}")
+    alive = tmp_path / f".run.partial-{os.getppid()}"
+    other = tmp_path / f".run2.partial-{dead}"
+    for folder in (alive, other):
+        fill(folder)
+    fly(tmp_path / "run")
+    assert sorted(os.listdir(tmp_path)) == sorted(["run", alive.name, other.name])
+    assert (alive / "summary.json").exists()
+
+
+def test_a_foreign_file_in_what_a_killed_flight_left_is_safe(tmp_path):
+    stale = tmp_path / f".run.partial-{dead_pid()}"
+    fill(stale)
+    (stale / "notes.txt").write_text("mine")
+    fly(tmp_path / "run")
+    assert tree(stale) == {"notes.txt": b"mine"}
+
+
+def test_a_partial_folder_with_our_own_number_is_a_dead_ones(tmp_path):
+    fill(tmp_path / f".run.partial-{os.getpid()}", run=1)  # in a container, every process may be number 7
+    fly(tmp_path / "run", run=2)
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+
+
+def test_two_flights_of_one_process_into_one_folder_are_a_mistake(tmp_path):
+    with ResultFolder(tmp_path / "run") as folder:
+        with pytest.raises(RuntimeError, match="two flights"):
+            ResultFolder(tmp_path / "run").open()
+        fill(folder.path)
+    assert (tmp_path / "run" / "summary.json").exists()
+
+
+def test_a_kill_between_the_two_moves_is_mended_by_the_next_flight(tmp_path):
+    fill(tmp_path / f".run.old-{dead_pid()}", run=1)
+    folder = ResultFolder(tmp_path / "run")
+    folder.open()
+    assert b'"run": 1' in (tmp_path / "run" / "summary.json").read_bytes()  # back, even if this flight fails
+    folder.discard()
+    fly(tmp_path / "run", run=2)
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    assert os.listdir(tmp_path) == ["run"]
+
+
+def test_a_kill_during_the_flight_leaves_the_old_results(tmp_path):
+    fly(tmp_path / "run", run=1)
+    code = (
+        "import os, signal, sys; from pathlib import Path; from uavftc.results.folder import ResultFolder\n"
+        "with ResultFolder(Path(sys.argv[1])) as f:\n"
+        "    (f.path / 'history.parquet').write_bytes(b'half'); os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "run")], check=False)
+    assert done.returncode != 0
+    assert len(os.listdir(tmp_path)) == 2
+    assert b'"run": 1' in (tmp_path / "run" / "summary.json").read_bytes()
+    fly(tmp_path / "run", run=2)
+    assert os.listdir(tmp_path) == ["run"]
+
+
+def test_a_link_to_the_target_is_followed_and_stays(tmp_path):
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "disk" / "run")  # dangling at first
+    fly(tmp_path / "link", run=1)
+    fly(tmp_path / "link", run=2)
+    assert (tmp_path / "link").is_symlink()
+    assert b'"run": 2' in (tmp_path / "disk" / "run" / "summary.json").read_bytes()
+    assert os.listdir(tmp_path / "disk") == ["run"]
+
+
+def test_committing_twice_and_discarding_afterwards_change_nothing(tmp_path):
+    with ResultFolder(tmp_path / "run") as folder:
+        fill(folder.path)
+        folder.commit()
+        folder.commit()
+        folder.discard()
+    assert (tmp_path / "run" / "history.parquet").exists()
+
+
+def test_our_own_unknown_file_is_caught_before_the_next_flight_would_refuse_it(tmp_path):
+    def careless() -> None:
+        with ResultFolder(tmp_path / "run") as folder:
+            fill(folder.path)
+            (folder.path / "new-feature.csv").write_text("x")
+
+    with pytest.raises(RuntimeError, match=r"new-feature\.csv is not in KNOWN_FILES"):
+        careless()
+    assert tree(tmp_path) == {}
+
+
+def test_the_published_files_are_known():
+    published = ["summary.json", "history.parquet", "scenario.yaml", "report.html"]
+    assert {*published, "figures/tracking.png", "figures/control.png", "figures/estimates.png"} <= KNOWN_FILES
