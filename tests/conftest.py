@@ -1,8 +1,8 @@
 from __future__ import annotations
 
+import functools
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -15,10 +15,11 @@ def own_cache(tmp_path_factory):
 
     Compiled laws stay in the user's cache: they are the same, and compiling them takes longer than most tests.
     """
+    from uavftc.core.cache import cache_folder
     from uavftc.plants.jsbsim import model, moment
 
     cache = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         for module in (model, moment):
-            patch.setattr(module, "platformdirs", SimpleNamespace(user_cache_path=lambda _name: cache))
+            patch.setattr(module, "cache_folder", functools.partial(cache_folder, home=cache))
         yield cache

@@ -9,10 +9,12 @@ import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
 from uavftc.analysis.metrics import INTEGRALS, metrics_of
-from uavftc.core.signals import AXES
+from uavftc.core.given import ControlDesign, Given
+from uavftc.core.program import Program
+from uavftc.core.signals import AXES, SURFACES, as_records, empty_rows
 from uavftc.flight.build import Flight, build_flight
 from uavftc.flight.fly import Outcome, fly_to_memory
-from uavftc.plants.interface import Timing
+from uavftc.plants.interface import Plant, Timing
 from uavftc.plants.jsbsim.model import trimmed_model
 from uavftc.scenario.load import load_scenario
 
@@ -43,7 +45,28 @@ def jsbsim_plant(
     from uavftc.plants.jsbsim.plant import JSBSimPlant  # only the tests that fly JSBSim import it
 
     given = {"wind_n": np.zeros(3), "has_wind": False, "has_moment": False} | options
-    return JSBSimPlant(aircraft, trimmed_model(aircraft, airspeed, altitude), timing or Timing(0.005, 1, 0.0), **given)
+    return JSBSimPlant(aircraft, trimmed_model(aircraft, airspeed, altitude), timing or Timing(0.005, 1), **given)
+
+
+UNLIMITED = np.array([[-np.inf, np.inf]] * 3)
+
+
+def given_of(timing: Timing, steps: int, stops_rad: np.ndarray = UNLIMITED) -> Given:
+    """Return what a flight of three surfaces, one an axis, gives to its actuators."""
+    design = ControlDesign(np.eye(3), np.eye(3), UNLIMITED, np.zeros(3), "test")
+    return Given(timing.h, timing.plant_step, steps, 0, SURFACES, stops_rad, np.eye(3), design)
+
+
+def bare(plant: Plant) -> Program:
+    """Return the program of a plant without a controller: what the rows hold flies it."""
+    return Program(plant.before(), plant.after(), substeps=plant.program_substeps)
+
+
+def deflected(n: int, u2: Any) -> np.ndarray:
+    """Return `n` rows in which each effector stands at the deflection `u2` of its axis, rad."""
+    rows = empty_rows(n)
+    as_records(rows)["u2"] = as_records(rows)["effectors"]["deflection"] = u2
+    return rows
 
 
 def integrals(scenario: str, plant: str, overrides: tuple[str, ...] = (), controller: str | None = None) -> np.ndarray:

@@ -21,7 +21,9 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-FOLDER = Path(__file__).resolve().parent.parent / "aircraft" / "hale"
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "aircraft" / "hale"
+PLANET = ROOT / "src" / "uavftc" / "plants" / "jsbsim" / "flat_planet.xml"  # of the aircraft that name none
 
 # ----------------------------------------------------------------------------------------- the paper, section 4
 MASS = 425.0  # kg
@@ -35,7 +37,8 @@ B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])  # 1/s
 
 # -------------------------------------------------------------------------- flat, non-rotating planet, constant gravity
 PLANET_RADIUS = 6.371e8  # m; a hundred Earth radii: 1 km of height changes gravity by 3 parts in a million
-PLANET_GM = 9.80665 * PLANET_RADIUS**2  # m^3/s^2; standard gravity at the surface
+GRAVITY = 9.80665  # m/s^2, standard gravity
+PLANET_GM = GRAVITY * PLANET_RADIUS**2  # m^3/s^2; standard gravity at the surface
 
 # ------------------------------------------------------------------------------------------- chosen: wing and tail
 DIHEDRAL = math.radians(4.0)  # effective, bent wing included; below 3.5 deg the spiral mode is unstable (see README.md)
@@ -77,7 +80,7 @@ def standard_density(altitude: float) -> float:
     sea_level_temperature = 518.67 / 1.8
     temperature = sea_level_temperature - lapse * geopotential
     psf = LB * 32.174049 * FT / FT**2  # Pa per lb/ft^2, with JSBSim's 32.174049 ft/s^2
-    pressure = 2116.228 * psf * (temperature / sea_level_temperature) ** (9.80665 / (gas_constant * lapse))
+    pressure = 2116.228 * psf * (temperature / sea_level_temperature) ** (GRAVITY / (gas_constant * lapse))
     return pressure / (gas_constant * temperature)
 
 
@@ -355,7 +358,7 @@ def contacts_xml() -> str:
     )
     text = ""
     for name, location, mass in skids:
-        stiffness = mass * 9.80665 / 0.15
+        stiffness = mass * GRAVITY / 0.15
         text += contact_xml(name, location, round(stiffness, -2), round(2.0 * 0.7 * math.sqrt(stiffness * mass), -1))
     return text
 
@@ -596,6 +599,8 @@ def files(folder: Path) -> dict[Path, str]:
         folder / "systems" / "hale_autothrottle.xml": autothrottle_xml(),
         folder / "flat_planet.xml": planet_xml(),
     }
+    if folder == FOLDER:
+        texts[PLANET] = planet_xml()
     readme = folder / "README.md"
     if readme.exists():
         texts[readme] = with_table(readme.read_text(encoding="utf-8"))

@@ -28,10 +28,11 @@ from uavftc.config.values import Signal
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.jobs.paper import printed
+from uavftc.jobs.paper.plan import L1, NDI_L1
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
-COLUMNS = ("nndondi-l1", "ndi-l1")
+COLUMNS = (L1, NDI_L1)
 SCENARIOS = ("scenario2", "scenario3")
 LOST = math.log(10.0)
 

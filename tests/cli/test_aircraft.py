@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import signal
@@ -13,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from uavftc.cli.app import umbrella
+from uavftc.core.cache import cache_folder
 from uavftc.jobs.design import fleet
 
 FEW = ["hale", "jsbsim:c172p", "jsbsim:L17"]
@@ -26,9 +28,7 @@ KEYS = {
 def few(monkeypatch, tmp_path):
     """Three aircraft, and rows that are measured anew (their models may come from the cache)."""
     monkeypatch.setattr(fleet, "names", lambda: FEW)
-    models = fleet.cache_dir()
-    monkeypatch.setattr(fleet.platformdirs, "user_cache_path", lambda name: tmp_path / "cache")
-    monkeypatch.setattr(fleet, "cache_dir", lambda: models)
+    monkeypatch.setattr(fleet, "cache_folder", functools.partial(cache_folder, home=tmp_path / "cache"))
 
 
 def run(*arguments):

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +14,9 @@ import pytest
 from flying import flown
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import CHUNK_ROWS, SLICE_ROWS, fly, fly_to_memory
-from uavftc.results.history import MemoryRecorder
+from uavftc.flight.recorder import MemoryRecorder
+from uavftc.jobs.fly import fly_mission
+from uavftc.results.history import read_history
 from uavftc.scenario.load import load_scenario
 
 
@@ -55,18 +61,69 @@ def test_the_recorder_gets_every_row_once_across_chunks() -> None:
     assert records[: len(short) - 1].tobytes() == short[:-1].tobytes()
 
 
-def test_ctrl_c_keeps_what_was_flown() -> None:
+def test_a_flight_ends_where_it_is_told_to_and_keeps_what_was_flown() -> None:
     flight = build_flight(load_scenario("scenario1", plant="jsbsim"))
-    memory = MemoryRecorder()
-
-    def interrupt(rows: int) -> None:
-        if rows > 1000:
-            signal.raise_signal(signal.SIGINT)
-
-    outcome = fly(flight, [memory], interrupt)
+    memory, flown = MemoryRecorder(), [0]
+    outcome = fly(flight, [memory], flown.append, stop=lambda: flown[-1] > 1000)
     assert outcome.interrupted
     assert not outcome.completed
     assert outcome.ended_because is not None
     assert "interrupted" in outcome.ended_because
     assert 1000 < len(memory.records()) == outcome.rows < 1000 + 2 * SLICE_ROWS
+
+
+def test_ctrl_c_is_pythons_own_where_nobody_asked_to_stop() -> None:
+    # a job of many flights has no use for the half of one, and must not go on with the next
+    flight = build_flight(load_scenario("scenario1", plant="analytic"))
+    memory = MemoryRecorder()
+    with pytest.raises(KeyboardInterrupt):
+        fly(flight, [memory], lambda rows: signal.raise_signal(signal.SIGINT))
+    assert len(memory.records()) == 0
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize("plant", ["analytic", "jsbsim"])
+def test_a_flight_flown_twice_is_refused_and_nothing_is_recorded(plant: str) -> None:
+    # the vehicle stays where the first flight left it: a second one would not begin at the trim
+    flight = build_flight(load_scenario("scenario1", plant=plant, overrides=("duration_s=1",)))
+    _, outcome = fly_to_memory(flight)
+    assert outcome.completed
+    again = MemoryRecorder()
+    with pytest.raises(RuntimeError, match="build_flight"):
+        fly(flight, [again])
+    assert len(again.records()) == 0
+    _, anew = fly_to_memory(build_flight(flight.scenario))
+    assert anew.rows == outcome.rows == 201
+
+
+def ctrl_c_after(rows: int, times: int) -> Callable[[int], Iterator[Callable[[int], None]]]:
+    """A progress bar that presses Ctrl-C, so many times at once, when it is told of more than `rows` rows."""
+
+    @contextmanager
+    def progress(total: int) -> Iterator[Callable[[int], None]]:
+        def advance(done: int) -> None:
+            if done > rows:
+                for _ in range(times):
+                    signal.raise_signal(signal.SIGINT)
+
+        yield advance
+
+    return progress
+
+
+def test_ctrl_c_in_a_mission_keeps_what_was_flown(tmp_path: Path) -> None:
+    scenario = load_scenario("scenario1", plant="jsbsim")
+    document, outcome = fly_mission(scenario, tmp_path / "run", figures=False, progress=ctrl_c_after(1000, times=1))
+    assert outcome.interrupted
+    assert 1000 < outcome.rows < 1000 + 2 * SLICE_ROWS
+    assert json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8")) == document
+    assert len(read_history(tmp_path / "run" / "history.parquet")["time_s"]) == outcome.rows
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler  # handed back
+
+
+def test_a_second_ctrl_c_in_a_mission_acts_at_once_and_nothing_is_written(tmp_path: Path) -> None:
+    scenario = load_scenario("scenario1", plant="analytic")
+    with pytest.raises(KeyboardInterrupt):
+        fly_mission(scenario, tmp_path / "run", progress=ctrl_c_after(0, times=2))
+    assert list(tmp_path.iterdir()) == []
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from uavftc.core.given import ControlDesign, Given
+from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program, Stage, params_of
+from uavftc.core.stage import Stage, params_of
 
 A_M = np.array([[-8.5, 1.2, -3.5], [-1.5, -1.5, -1.0], [-0.02, 0.0, -2.0]])
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])
@@ -64,6 +66,24 @@ def inner_params(dtype: np.dtype, **changes: object) -> np.ndarray:
         "filter_bandwidth": BANDWIDTH,
     }
     return params_of(dtype, **{k: v for k, v in (values | changes).items() if k in dtype.names})
+
+
+UNLIMITED = np.array([[-np.inf, np.inf]] * 3)
+
+
+def flight_of(h: float = 0.005, psi_0: float = 0.0) -> Given:
+    """What a flight of the paper's aircraft gives to its laws."""
+    design = ControlDesign(A_M, B_M, UNLIMITED, np.array([0.0, 0.0, psi_0]), "paper")
+    return Given(
+        h=h,
+        plant_step=h,
+        steps=4000,
+        seed=0,
+        effectors=("aileron", "elevator", "rudder"),
+        stops_rad=UNLIMITED,
+        mixing=np.eye(3),
+        design=design,
+    )
 
 
 class Law:

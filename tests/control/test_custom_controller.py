@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from uavftc.control.custom.module import GROUP, SHIPPED, registered
+from uavftc.core.program import STEP_FAILED, Program
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import STEP_FAILED, Program, PythonBlock, StepFailed
+from uavftc.core.stage import PythonBlock, Stage, StepFailed, law
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
@@ -34,7 +35,7 @@ def create(design, h, options):
 
 COMPILED = """
 import numpy as np
-from uavftc.core.stage import Stage, carray, law, params_of
+from uavftc.core.stage import Stage, law, params_of
 
 PARAMS = np.dtype([("B_inverse", "f8", (3, 3))])
 STATE = np.dtype([("e", "f8", (3,))])
@@ -50,9 +51,39 @@ def step(p, s, row):
     for i in range(3):
         row.v2[i] = p.B_inverse[i, 0] * s.e[0] + p.B_inverse[i, 1] * s.e[1] + p.B_inverse[i, 2] * s.e[2]
 
+stage = Stage(step, PARAMS, STATE)
+"""
+
+EARLIER = COMPILED.replace("from uavftc.core.stage import", "from uavftc.stage import carray,").replace(
+    "stage = Stage(step, PARAMS, STATE)",
+    "@Stage(PARAMS, STATE)\ndef stage(p, s, row):\n    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])",
+)
+"""The same law, written as an earlier version took it."""
+
+EARLIER_RAW = """
+import numpy as np
+from uavftc.stage import RAW, Stage, carray, law, params_of
+
+PARAMS = np.dtype([("B_inverse", "f8", (3, 3))])
+STATE = RAW
+
+def params(design, h, options):
+    return params_of(PARAMS, B_inverse=np.linalg.inv(design.B))
+
+def state(design, h, options):
+    return np.zeros(4)
+
+@law
+def command(p, e, row):
+    for i in range(3):
+        row.v1[i] = 0.5 * (row.x1_c[i] - row.x1_meas[i])
+        e[1 + i] = 4.0 * (row.v1[i] - row.x2_meas[i])
+    for i in range(3):
+        row.v2[i] = p.B_inverse[i, 0] * e[1] + p.B_inverse[i, 1] * e[2] + p.B_inverse[i, 2] * e[3]
+
 @Stage(PARAMS, STATE)
 def stage(p, s, row):
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+    command(carray(p, 1)[0], carray(s, 4), carray(row, 1)[0])
 """
 
 
@@ -87,6 +118,17 @@ def test_both_forms_of_a_law_fly_the_same(fly, plant):
     assert np.all(np.isnan(plain["d1_hat"]))  # what a controller does not tell is missing, not zero
     assert np.all(np.isnan(compiled["f_hat"]))
     np.testing.assert_array_equal(plain["v1"], 0.5 * (plain["x1_c"] - plain["x1_meas"]))
+
+
+@pytest.mark.parametrize("source", [EARLIER, EARLIER_RAW], ids=["records", "memory of its own"])
+def test_a_law_written_for_an_earlier_version_flies_the_same_bits(fly, source):
+    # who has a compiled controller keeps it: its entry and its imports still mean the same law
+    for plant in ("analytic", "jsbsim"):
+        _, new, one = fly(COMPILED, plant, name="law.py")
+        _, earlier, two = fly(source, plant, name="earlier.py")
+        assert one.completed
+        assert two.completed
+        assert earlier.tobytes() == new.tobytes()
 
 
 @pytest.mark.parametrize("source", [PLAIN, COMPILED])
@@ -238,6 +280,10 @@ WRONG = {
         ["mine.py, stage", "v9", "numba can compile"],
     ),
     "a law that commands nan": (COMPILED.replace("row.v2[i] =", "row.v2[i] = np.nan *"), ["finite command"]),
+    "a compiled law whose stage is none": (
+        COMPILED.replace("stage = Stage(step, PARAMS, STATE)", "stage = step"),
+        ["expected: stage, a uavftc.core.stage.Stage", "define stage = Stage(step, PARAMS, STATE)"],
+    ),
     "both forms": (COMPILED + PLAIN, ["both create and stage"]),
 }
 
@@ -262,7 +308,7 @@ def test_a_compiled_law_is_compiled_anew_when_it_or_its_neighbour_changes(fly, t
             f"from uavftc.core.stage import law\n@law\ndef gain():\n    return {factor}\n"
         )
         sys.modules.pop("neighbour", None)
-        for name in [name for name in sys.modules if name.startswith("own_controller_mine")]:
+        for name in [name for name in sys.modules if name.startswith("custom_controller_mine")]:
             del sys.modules[name]  # as in a new process
         _, records, _ = fly(source, "analytic", "duration_s=0.1")
         expected = factor * np.linalg.solve(np.array([[10, 0, 0.225], [0, 7.5, 0], [1.125, 0, 6.75]]), np.full(3, 2.0))
@@ -272,15 +318,24 @@ def test_a_compiled_law_is_compiled_anew_when_it_or_its_neighbour_changes(fly, t
     np.testing.assert_allclose(halved["v2"][0], 0.5 * records["v2"][0], rtol=1e-9)
 
 
-def test_python_steps_run_in_their_place_between_compiled_ones():
-    from test_stage import limits
+@law
+def doubled(p, s, row):
+    row.v2[0] *= 2.0
 
+
+def test_python_steps_run_in_their_place_between_compiled_ones():
+    # the order of the blocks is the order of the loop, whatever each is written in; a failure ends the row there
     def add(row):
-        as_records(row[None, :])["u2"] += 4.0
+        as_records(row[None, :])["v2"] += 4.0
+
+    def doubling(name):
+        return Stage(doubled).block(name=name)
 
     rows = empty_rows(5)
-    assert Program([limits(-1, 1), PythonBlock(add), limits(-3, 3), PythonBlock(add)]).run(rows, 1, 4) == 4
-    np.testing.assert_array_equal(as_records(rows)["u2"][:, 0], [0, 7, 7, 7, 0])
+    as_records(rows)["v2"] = 1.0
+    blocks = [doubling("first"), PythonBlock("one", add), doubling("second"), PythonBlock("two", add)]
+    assert Program(blocks).run(rows, 1, 4) == 4
+    np.testing.assert_array_equal(as_records(rows)["v2"][:, 0], [1, 16, 16, 16, 1])
 
     def fail(row):
         if row[0] == 2.0:
@@ -288,11 +343,11 @@ def test_python_steps_run_in_their_place_between_compiled_ones():
 
     rows = empty_rows(5)
     as_records(rows)["t"] = range(5)
-    program = Program([PythonBlock(fail), PythonBlock(add)])
+    program = Program([PythonBlock("fails", fail), PythonBlock("adds", add)])
     assert program.run(rows, 0, 5) == 2
-    assert program.failure == "enough"
+    assert program.failure == program.why(STEP_FAILED) == "enough"
     assert as_records(rows)["status"][2] == STEP_FAILED
-    np.testing.assert_array_equal(as_records(rows)["u2"][:, 0], [4, 4, 0, 0, 0])
+    np.testing.assert_array_equal(as_records(rows)["v2"][:, 0], [4, 4, 0, 0, 0])
 
 
 def test_the_shipped_controllers_are_entry_points_of_this_project():

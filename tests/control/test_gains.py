@@ -7,8 +7,7 @@ import pytest
 
 import paper
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
-from uavftc.flight.build import inner_blocks
-from uavftc.scenario.controllers import L1Inner, MracInner
+from uavftc.control.inner import l1, mrac
 
 LAST_DIGIT = 0.5e-4 + 1e-12  # half a unit of the fourth decimal
 
@@ -41,10 +40,12 @@ def test_P_solves_the_lyapunov_equation_for_any_Q():
 
 
 def test_default_gain_has_unit_dc_gain_and_the_printed_one_does_not():
-    # x2' = A_m x2 - B_m K r settles at A_m^-1 B_m K r: the command itself, or 0.90, 0.42 and 0.50 of it
+    # x2' = A_m x2 - B_m K r settles at A_m^-1 B_m K r: the command itself, or A_m^-1 A_s = I + A_m^-1 of it (K_1 = I),
+    # less than half in pitch
     settled = [np.linalg.solve(paper.A_M, paper.B_M @ reference_gain(A, paper.B_M)) for A in (paper.A_M, paper.A_S)]
     np.testing.assert_allclose(settled[0], np.eye(3), atol=1e-14)
-    np.testing.assert_allclose(np.diag(settled[1]), [0.90, 0.42, 0.50], atol=0.005)
+    np.testing.assert_allclose(settled[1], np.eye(3) + np.linalg.inv(paper.A_M), atol=1e-14)
+    assert settled[1][1, 1] < 0.5
 
 
 def test_erzberger_gain_matches_the_plant_to_the_reference_model():
@@ -57,11 +58,12 @@ def test_erzberger_gain_matches_the_plant_to_the_reference_model():
     np.testing.assert_array_equal(erzberger_K_0(paper.A_M, paper.A_M, paper.B_M), np.zeros((3, 3)))
 
 
-@pytest.mark.parametrize("kind", [L1Inner, MracInner])
+@pytest.mark.parametrize("law", [l1, mrac])
 @pytest.mark.parametrize(("gain", "K"), [("plant", paper.A_M), ("printed", paper.A_S)])
-def test_scenario_defaults_reach_the_law_as_the_papers_gains(kind, gain, K):
-    # the assembly hands the law P B_m, A_s and the gain that the scenario names
-    (block,) = inner_blocks(kind(reference_gain=gain, B_m=tuple(map(tuple, paper.B_M))), 0.005, 0.3)
+def test_scenario_defaults_reach_the_law_as_the_papers_gains(law, gain, K):
+    # P B_m, A_s and the gain that the section names follow from it; sample time and heading are the flight's
+    config = law.Config(reference_gain=gain, B_m=tuple(map(tuple, paper.B_M)))
+    (block,) = law.blocks(config, paper.flight_of(h=0.005, psi_0=0.3))
     p = block.params[0]
     np.testing.assert_allclose(p["P_B_m"], paper.P @ paper.B_M, atol=1e-12)
     np.testing.assert_allclose(p["K"], np.linalg.inv(paper.B_M) @ K, atol=1e-14)

@@ -7,9 +7,11 @@ import pytest
 from scipy.linalg import expm
 
 from flying import flown
-from uavftc.control.custom.controller import ControlDesign
 from uavftc.control.whole import lqi
+from uavftc.core.given import ControlDesign
 from uavftc.core.kinematics import attitude_rates
+from uavftc.core.program import Program
+from uavftc.core.signals import as_records, empty_rows
 
 A = np.array([[-8.5, 1.2, -3.5], [-1.5, -1.5, -1.0], [-0.02, 0.0, -2.0]])
 B = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])
@@ -71,9 +73,6 @@ def test_its_integral_takes_out_a_gyro_bias():
 
 def test_the_integral_stands_still_while_a_command_is_beyond_its_limit():
     # given a bank angle that asks for more than the aileron has / then xi is not moved on any axis
-    from uavftc.core.signals import as_records, empty_rows
-    from uavftc.core.stage import Program
-
     rows = empty_rows(10)
     records = as_records(rows)
     records["x1_c"][:5, 0] = 1.0

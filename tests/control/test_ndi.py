@@ -23,7 +23,7 @@ def law():
 
 @settings(deadline=None)  # the first example compiles
 @given(phi=st.floats(-np.pi, np.pi), theta=st.floats(-1.4, 1.4), error=VECTOR, d1_hat=VECTOR)
-def test_commanded_rates_give_the_wanted_attitude_rates(law, phi, theta, error, d1_hat):
+def test_commanded_rates_give_the_attitude_rates_of_eq_8(law, phi, theta, error, d1_hat):
     # g1 v1 + d1_hat = D (x1_c - x1) at every attitude: the inversion is exact, the estimate is subtracted once
     x1 = np.array([phi, theta, 0.3])
     row = law(x1_meas=x1, x1_c=x1 + error, d1_hat=d1_hat)
@@ -46,9 +46,9 @@ def test_ideal_loop_decays_as_exp_of_minus_D_t_on_each_axis(law):
 def test_heading_error_is_taken_the_short_way_round(law, turns):
     # psi is continuous and may have turned any number of times; the command is absolute
     psi, psi_c = np.radians([-170.0, 170.0])
-    wanted = D[2] * np.radians(-20.0)
+    expected = D[2] * np.radians(-20.0)
     row = law(x1_meas=[0.0, 0.0, psi + 2 * np.pi * turns], x1_c=[0.0, 0.0, psi_c], d1_hat=0.0)
-    np.testing.assert_allclose(row["v1"], [0.0, 0.0, wanted], atol=1e-13)
+    np.testing.assert_allclose(row["v1"], [0.0, 0.0, expected], atol=1e-13)
 
 
 def test_bank_and_pitch_errors_are_not_wrapped(law):

@@ -8,7 +8,8 @@ from scipy.integrate import solve_ivp
 
 import paper
 from uavftc.control.outer import nndo
-from uavftc.core.stage import Program, params_of
+from uavftc.core.program import Program
+from uavftc.core.stage import params_of
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.schema import Scenario

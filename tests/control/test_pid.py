@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flying import flown
-from uavftc.control.custom.controller import ControlDesign
 from uavftc.control.whole import pid
+from uavftc.core.given import ControlDesign
 from uavftc.errors import InputError
 
 A = np.array([[-8.5, 1.2, -3.5], [-1.5, -1.5, -1.0], [-0.02, 0.0, -2.0]])

@@ -8,19 +8,51 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uavftc.core import signals
-from uavftc.core.signals import COLUMNS, ROW, ROW_WIDTH, as_records, attitude_error, column, empty_rows
+from uavftc.core.signals import (
+    COLUMNS,
+    EFFECTOR,
+    ROW,
+    ROW_WIDTH,
+    as_records,
+    attitude_error,
+    column,
+    empty_rows,
+    row_type,
+)
 
 ANGLE = st.floats(-20.0, 20.0)
 
 
+WIDTH = ROW_WIDTH + 3 * EFFECTOR.itemsize // 8
+
+
 def test_row_is_a_flat_buffer_of_float64():
     # laws take a row as a record, the recorder and the loop take it as numbers: the layout has no gap
-    assert all(ROW[name].base == np.dtype("f8") for name in ROW.names)
-    assert ROW.itemsize == 8 * ROW_WIDTH == 8 * sum(int(np.prod(ROW[name].shape)) for name in ROW.names)
+    for dtype in (ROW, EFFECTOR):
+        assert all(dtype[name].base == np.dtype("f8") for name in dtype.names)
+        assert dtype.itemsize == 8 * sum(int(np.prod(dtype[name].shape)) for name in dtype.names)
+    assert ROW.itemsize == 8 * ROW_WIDTH
     rows = empty_rows(4)
-    assert rows.shape == (4, ROW_WIDTH)
+    assert rows.shape == (4, WIDTH)
     assert rows.flags.c_contiguous
     assert not rows.any()
+
+
+@pytest.mark.parametrize("effectors", [1, 3, 7])
+def test_a_row_ends_with_one_record_for_each_effector(effectors):
+    # the head is the same in every flight, so a law that knows it flies every aircraft
+    rows = empty_rows(5, effectors)
+    assert rows.shape == (5, ROW_WIDTH + effectors * len(EFFECTOR.names))
+    assert row_type(effectors).itemsize == 8 * rows.shape[1]
+    rows[:] = np.arange(rows.size).reshape(rows.shape)
+    records = as_records(rows)
+    assert records["effectors"].shape == (5, effectors)
+    head = rows[:, :ROW_WIDTH].copy().view(ROW)[:, 0]
+    for name in ROW.names:
+        np.testing.assert_array_equal(records[name], head[name])
+    for j in range(effectors):
+        for i, name in enumerate(EFFECTOR.names):
+            np.testing.assert_array_equal(records["effectors"][name][:, j], rows[:, ROW_WIDTH + j * 4 + i])
 
 
 def test_records_are_the_same_memory():
@@ -31,9 +63,11 @@ def test_records_are_the_same_memory():
     records["x1"][1] = [1.0, 2.0, 3.0]
     start = ROW.fields["x1"][1] // 8
     np.testing.assert_array_equal(rows[1, start : start + 3], [1.0, 2.0, 3.0])
-    rows[2] = np.arange(ROW_WIDTH)
+    rows[2] = np.arange(WIDTH)
     assert records["x1"][2, 0] == start
     assert as_records(rows[1:])["x1"][0, 1] == 2.0  # of a slice as well
+    records["effectors"]["deflection"][0, 2] = 4.0
+    assert rows[0, ROW_WIDTH + 2 * len(EFFECTOR.names) + EFFECTOR.names.index("deflection")] == 4.0
 
 
 def test_columns_are_unique_exist_and_carry_their_unit():
@@ -50,13 +84,13 @@ def test_columns_are_unique_exist_and_carry_their_unit():
 
 def test_column_takes_the_field_and_index_it_names():
     # each row element holds its own position: no column may be crossed with another
-    rows = np.arange(2 * ROW_WIDTH, dtype=float).reshape(2, ROW_WIDTH)
+    rows = np.arange(2 * WIDTH, dtype=float).reshape(2, WIDTH)
     records = as_records(rows)
     for c in COLUMNS:
         if c.name == "psi_rad":
             continue
         position = ROW.fields[c.field][1] // 8 + (c.component or 0)
-        np.testing.assert_array_equal(column(records, c.name), [position, position + ROW_WIDTH], err_msg=c.name)
+        np.testing.assert_array_equal(column(records, c.name), [position, position + WIDTH], err_msg=c.name)
     for name, field, component in (
         ("q_ref_radps", "v1", 1),
         ("rudder_cmd_rad", "v2", 2),

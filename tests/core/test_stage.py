@@ -1,105 +1,186 @@
-"""Stages and programs: order, stopping, parameters by name, and the cache of compiled laws."""
+"""Stages: what numba makes of a law, the status of one that raises, and parameters by name."""
 
 from __future__ import annotations
 
+import ctypes
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
 import uavftc
-from uavftc.actuators import effectiveness, saturation
-from uavftc.core import compile_cache, stage
-from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program, params_of
-from uavftc.flight import envelope
-from uavftc.sensors import gyro
+from uavftc.actuators import saturation
+from uavftc.core.signals import EFFECTOR, ROW, as_records, empty_rows
+from uavftc.core.stage import NOTHING, RAW, Stage, floats, law, params_of, records_of
+from uavftc.sensors import exact, gyro
+
+GAIN = np.dtype([("gain", "f8", (3,)), ("K", "f8", (3, 3)), ("k", "f8"), ("n", "i8")])
 
 
-def limits(low, high):
-    return saturation.stage.block(params_of(saturation.PARAMS, u_min=low, u_max=high))
+@law
+def scale(p, s, row):
+    """Write the scaled rates and count the samples."""
+    for i in range(3):
+        row.v1[i] = p.gain[i] * row.x2[i]
+    s.nothing += 1.0
 
 
-def test_blocks_run_in_order():
-    # limit then double is not double then limit
-    for blocks, expected in (
-        ([limits(-1.0, 1.0), effectiveness.stage.block()], 2.0),
-        ([effectiveness.stage.block(), limits(-1.0, 1.0)], 1.0),
-    ):
-        rows = empty_rows(3)
-        records = as_records(rows)
-        records["u2"], records["effectiveness"] = 5.0, 2.0
-        assert Program(blocks).run(rows, 0, 3) == 3
-        np.testing.assert_array_equal(records["u2"], expected)
+@law
+def brittle(p, s, row):
+    """Raise where the time is negative."""
+    if row.t < 0.0:
+        raise ValueError("before the start")
+    row.throttle = 1.0
 
 
-def test_only_the_rows_asked_for_are_run():
-    # first is included, last is not; an empty range does nothing
-    rows = empty_rows(6)
-    records = as_records(rows)
-    records["u2"] = 5.0
-    program = Program([limits(-1.0, 1.0)])
-    assert program.run(rows, 2, 4) == 4
-    np.testing.assert_array_equal(records["u2"][:, 0], [5.0, 5.0, 1.0, 1.0, 5.0, 5.0])
-    assert program.run(rows, 4, 4) == 4
-    np.testing.assert_array_equal(records["u2"][4:], 5.0)
+@law
+def brittle_effector(p, s, e, row):
+    """Raise where the command is negative."""
+    if e.command < 0.0:
+        raise ValueError("negative")
+    e.deflection = e.command + row.t
 
 
-def test_program_stops_at_the_row_whose_status_is_set():
-    # the row is finished, the ones after it are not begun, and its index is returned
-    rows = empty_rows(10)
-    records = as_records(rows)
-    records["u2"], records["height"] = 5.0, 1.0
-    records["height"][4] = -1.0
-    watch = params_of(envelope.PARAMS, bank_max=1.0, pitch_max=1.0, airspeed_min=-1.0, airspeed_max=1.0)
-    program = Program([envelope.stage.block(watch), limits(-1.0, 1.0)])
-    assert program.run(rows, 0, 10) == 4
-    np.testing.assert_array_equal(records["u2"][:, 0], [1.0] * 5 + [5.0] * 5)
-    assert records["status"][4] == envelope.GROUND
-    assert program.run(rows, 5, 10) == 10
+@law
+def own_memory(p, s, row):
+    """Keep the last two throttles."""
+    memory = floats(s, 2)
+    memory[1] = memory[0]
+    memory[0] = row.throttle
 
 
-def test_empty_program_runs():
-    # no block is a program too
-    assert Program([]).run(empty_rows(3), 0, 3) == 3
+def call(stage, *memory):
+    """Call a compiled law as C, without the kernel: two words of numba's, then the addresses; return its status."""
+    function = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * (2 + len(memory)))(stage.address)
+    words = np.zeros(2, np.uint64)  # where a result and where an exception would be put
+    return function(words[:1].ctypes.data, words[1:].ctypes.data, *(m.ctypes.data for m in memory))
 
 
-def test_two_blocks_of_one_stage_keep_their_own_memory():
-    # the saturation serves for the stops as well: the stage is shared, its parameters are not
-    rows = empty_rows(1)
-    records = as_records(rows)
-    records["u2"] = [5.0, -5.0, 0.5]
-    Program([limits(-3.0, 3.0), limits(-1.0, 4.0)]).run(rows, 0, 1)
-    np.testing.assert_array_equal(records["u2"][0], [3.0, -1.0, 0.5])
+def test_a_compiled_law_takes_its_records_by_address():
+    # the convention that the kernel relies on and that is numba's, not ours: a new numba must not break it unseen
+    rows, state = empty_rows(1), np.zeros(1, NOTHING)
+    as_records(rows)["x2"] = [1.0, 2.0, 3.0]
+    p = params_of(GAIN, gain=[2.0, 3.0, 4.0], K=np.eye(3), k=0.0, n=1)
+    assert call(Stage(scale, GAIN), p, state, rows) == 0
+    np.testing.assert_array_equal(as_records(rows)["v1"][0], [2.0, 6.0, 12.0])
+    assert state["nothing"] == 1.0
 
 
-def test_program_keeps_the_memory_of_its_blocks_alive():
-    # the table holds addresses only: without the blocks they would point at freed memory
-    program = Program([limits(-1.0 - k, 1.0 + k) for k in range(50, 0, -1)])
-    _ = [np.full(6, np.nan) for _ in range(1000)]
-    rows = empty_rows(1)
-    as_records(rows)["u2"] = 99.0
-    program.run(rows, 0, 1)
-    np.testing.assert_array_equal(as_records(rows)["u2"][0], 2.0)
+def test_a_law_that_raises_returns_a_status_and_does_nothing_after_it():
+    # an exception cannot leave a C function: what is left of it is a status other than 0
+    stage, rows = Stage(brittle), empty_rows(1)
+    p, s = np.zeros(1, NOTHING), np.zeros(1, NOTHING)
+    assert call(stage, p, s, rows) == 0
+    assert as_records(rows)["throttle"] == 1.0
+    as_records(rows)["t"], as_records(rows)["throttle"] = -1.0, 0.0
+    assert call(stage, p, s, rows) != 0
+    assert as_records(rows)["throttle"] == 0.0
+
+
+def test_a_law_on_an_effector_takes_it_before_the_row_and_raises_the_same_way():
+    # five addresses in all; e and row must not be crossed
+    stage, row = Stage(brittle_effector), np.zeros(1, ROW)
+    assert stage.on_effector
+    assert not Stage(brittle).on_effector
+    e, p, s = np.zeros(1, EFFECTOR), np.zeros(1, NOTHING), np.zeros(1, NOTHING)
+    e["command"], row["t"] = 2.0, 0.5
+    assert call(stage, p, s, e, row) == 0
+    assert e["deflection"] == 2.5
+    e["command"] = -1.0
+    assert call(stage, p, s, e, row) != 0
+    assert e["deflection"] == 2.5
+
+
+def test_memory_of_a_laws_own_comes_as_a_pointer():
+    # state RAW: no record, as many numbers as the law lays out
+    stage, rows, state = Stage(own_memory, state=RAW), empty_rows(1), np.array([7.0, 8.0])
+    as_records(rows)["throttle"] = 9.0
+    assert call(stage, np.zeros(1, NOTHING), state, rows) == 0
+    np.testing.assert_array_equal(state, [9.0, 7.0])
+
+
+def test_a_stage_knows_its_law():
+    # the name of its block is the law's file; the law as written stays at hand for plain Python
+    stage = Stage(scale, GAIN, reads=["x2"], writes=["v1"])
+    assert stage.name == "test_stage"
+    assert stage.python is scale.py_func
+    assert (stage.params, stage.state) == (GAIN, NOTHING)
+    assert (stage.reads, stage.writes) == ({"x2"}, {"v1"})
+    assert (Stage(scale).reads, Stage(scale).writes) == (None, None)
+    assert stage.__doc__ == "Write the scaled rates and count the samples."
+    assert stage.block().name == "test_stage"
+    assert stage.block(name="another").name == "another"
+
+
+def test_a_law_that_is_not_decorated_is_compiled_the_same():
+    # the stage compiles the law itself: the decorator is for what a law calls
+    stage, rows = Stage(brittle.py_func), empty_rows(1)
+    assert call(stage, np.zeros(1, NOTHING), np.zeros(1, NOTHING), rows) == 0
+    assert as_records(rows)["throttle"] == 1.0
+
+
+def test_stage_compiles_when_its_address_is_asked_for_and_once():
+    # importing a law costs nothing; two blocks share one machine code
+    assert gyro.stage.address == gyro.stage.address != 0
+    fresh = Stage(exact.step, exact.PARAMS, exact.STATE)
+    assert "address" not in vars(fresh)
+    assert fresh.address
+    assert "address" in vars(fresh)
+
+
+def test_memory_that_is_not_given_is_zero_and_each_blocks_own():
+    # as many entries as what is given has: one for a row, one an effector
+    stage = Stage(scale, GAIN)
+    assert stage.block().params.tobytes() == bytes(GAIN.itemsize)
+    assert stage.block().state is not stage.block().state
+    assert stage.block(np.zeros(4, GAIN)).state.shape == (4,)
+    assert stage.block(state=np.zeros(5, NOTHING)).params.shape == (5,)
 
 
 def test_parameters_are_given_completely_and_by_name():
     # a forgotten or misspelt parameter must not become a zero
-    record = params_of(saturation.PARAMS, u_min=-1.0, u_max=[1.0, 2.0, 3.0])
+    record = params_of(gyro.PARAMS, bias=[1.0, 2.0, 3.0])
     assert record.shape == (1,)
-    np.testing.assert_array_equal(record["u_min"][0], [-1.0] * 3)
-    np.testing.assert_array_equal(record["u_max"][0], [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(record["bias"][0], [1.0, 2.0, 3.0])
     with pytest.raises(TypeError, match="u_max"):
         params_of(saturation.PARAMS, u_min=-1.0)
     with pytest.raises(TypeError, match="u_maxx"):
         params_of(saturation.PARAMS, u_min=-1.0, u_max=1.0, u_maxx=1.0)
-    with pytest.raises(ValueError, match="broadcast"):
-        params_of(saturation.PARAMS, u_min=[1.0, 2.0], u_max=1.0)
+
+
+def test_a_number_fills_a_vector_and_nothing_else():
+    # filling a matrix with one number is never meant: k times the identity is not a matrix full of k
+    values = {"gain": 2.0, "K": np.eye(3), "k": 3.0, "n": 4}
+    record = params_of(GAIN, **values)[0]
+    np.testing.assert_array_equal(record["gain"], [2.0] * 3)
+    np.testing.assert_array_equal(record["K"], np.eye(3))
+    assert (record["k"], record["n"]) == (3.0, 4)
+    for name, wrong in (
+        ("K", 1.0),
+        ("K", [1.0, 2.0, 3.0]),  # a row is not a matrix either
+        ("K", np.eye(2)),
+        ("gain", [1.0, 2.0]),
+        ("gain", [[1.0, 2.0, 3.0]]),
+        ("k", [1.0, 2.0, 3.0]),
+        ("k", [1.0]),
+        ("n", [[1]]),
+    ):
+        with pytest.raises(ValueError, match=f"parameter {name} has the shape"):
+            params_of(GAIN, **{**values, name: wrong})
+
+
+def test_records_of_several_effectors_have_one_entry_each():
+    # entries are counted: five limits for three effectors are an error, not three limits
+    records = records_of(saturation.PARAMS, 3, u_min=[-1.0, -2.0, -3.0], u_max=[1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(records["u_min"], [-1.0, -2.0, -3.0])
+    filled = records_of(gyro.PARAMS, 2, bias=[1.0, 2.0])  # a number a record fills its vector
+    np.testing.assert_array_equal(filled["bias"], [[1.0] * 3, [2.0] * 3])
+    for wrong in ([1.0] * 5, [1.0] * 2, [[1.0], [2.0], [3.0]]):
+        with pytest.raises(ValueError, match="parameter u_max"):
+            records_of(saturation.PARAMS, 3, u_min=[-1.0] * 3, u_max=wrong)
 
 
 def test_division_by_zero_in_a_law_is_inf_and_not_an_exception():
@@ -122,172 +203,53 @@ def test_solve_agrees_with_lapack():
         np.testing.assert_allclose(multiply_transposed(M, b), M.T @ b, rtol=0, atol=1e-14)
 
 
-# --- the cache of compiled laws
-
-
-@pytest.fixture
-def source(tmp_path, monkeypatch):
-    """A copy of the package that the cache takes for the source; its cache lies in tmp_path/cache."""
-    copy = tmp_path / "copy"
-    shutil.copytree(Path(compile_cache.__file__).parents[1], copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(compile_cache, "__file__", str(copy / "core" / "compile_cache.py"))
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
-    return copy
-
-
-folder_of = compile_cache.compile_cache_dir.__wrapped__  # without the memory of an earlier call
-
-
-def test_cache_folder_belongs_to_exactly_this_source(source, tmp_path):
-    # numba looks at the file of an entry only; a change in what the entry calls must not find the old machine code
-    first = folder_of()
-    assert first.parent == tmp_path / "cache"
-    assert first.is_dir()
-    assert folder_of() == first  # the same source, the same folder
-    names = {first.name}
-    compiled = (
-        "control/rbf.py", "control/inner/predictor.py", "core/kinematics.py", "core/linear3.py", "core/signals.py",
-        "core/stage.py", "flight/envelope.py", "sensors/gyro.py", "actuators/delay.py", "plants/rigid_body.py",
-    )  # fmt: skip
-    for changed in compiled:
-        file = source / changed
-        file.write_text(file.read_text() + "\n# changed\n")
-        names.add(folder_of().name)
-    assert len(names) == 11
-    for changed in ("cli/app.py", "report/table.py"):  # nothing compiled lies there
-        file = source / changed
-        file.write_text(file.read_text() + "\n# changed\n")
-        assert folder_of().name in names
-    assert len(list((tmp_path / "cache").iterdir())) == 11
-
-
-def test_cache_folder_does_not_depend_on_where_the_source_lies(source, tmp_path, monkeypatch):
-    # the content counts, not the path: an installed package and a checkout of it share
-    first = folder_of()
-    source.rename(tmp_path / "moved")
-    monkeypatch.setattr(compile_cache, "__file__", str(tmp_path / "moved" / "core" / "compile_cache.py"))
-    assert folder_of() == first
-
-
-def test_every_compiled_source_file_is_part_of_the_address():
-    # a new module with laws that is not hashed would be served from a stale cache
-    package = Path(compile_cache.__file__).parents[1]
-    hashed = {
-        file.relative_to(package)
-        for part in compile_cache.COMPILED
-        for file in ([package / part] if part.endswith(".py") else (package / part).rglob("*.py"))
-    }
-    with_laws = {
-        file.relative_to(package)
-        for file in package.rglob("*.py")
-        if any(line.startswith(("@law", "@Stage(", "law =")) for line in file.read_text().splitlines())
-    }
-    assert len(with_laws) >= 12
-    assert with_laws <= hashed
-
-
-def test_cache_that_cannot_be_written_falls_back_to_a_private_folder(source, tmp_path, monkeypatch):
-    # a read-only home or cache costs compile time, not the flight
-    blocked = tmp_path / "a file"
-    blocked.write_text("")
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
-    monkeypatch.setattr(compile_cache.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    folder = folder_of()
-    assert (tmp_path / "temporary") in folder.parents
-    assert os.access(folder, os.W_OK)
-    if os.name == "posix":
-        assert folder.stat().st_mode & 0o077 == 0
-
-
-def test_cache_that_is_read_only_is_not_used(source, tmp_path, monkeypatch):
-    # the folder exists and may be entered, but not written
-    access = os.access
-    monkeypatch.setattr(compile_cache.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    monkeypatch.setattr(compile_cache.os, "access", lambda p, mode: "temporary" in str(p) and access(p, mode))
-    assert (tmp_path / "temporary") in folder_of().parents
-
-
-def test_without_any_writable_place_a_fresh_temporary_folder_serves(source, tmp_path, monkeypatch):
-    # the last resort is never shared
-    monkeypatch.setattr(compile_cache.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    monkeypatch.setattr(compile_cache.os, "access", lambda *_: False)
-    monkeypatch.setattr(compile_cache.tempfile, "mkdtemp", lambda prefix: str(tmp_path / f"{prefix}fresh"))
-    assert folder_of() == tmp_path / "uavftc-fresh"
-
-
-def test_cache_setting_of_other_users_of_numba_is_restored(monkeypatch):
-    # also when the compilation fails
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "somewhere else")
-    with compile_cache.compile_cache():
-        assert str(compile_cache.compile_cache_dir()) == numba.config.CACHE_DIR
-    assert numba.config.CACHE_DIR == "somewhere else"
-
-    def fails():
-        with compile_cache.compile_cache():
-            raise RuntimeError
-
-    with pytest.raises(RuntimeError):
-        fails()
-    assert numba.config.CACHE_DIR == "somewhere else"
-
-
-FLY = """
-import sys
+LAW = """
 import numpy as np
-from uavftc.sensors import gyro
-from uavftc.core.stage import Program, is_compiled, params_of
+
+from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
-print(is_compiled(), flush=True)
-sys.stdin.readline()
-rows = empty_rows(4)
-Program([gyro.stage.block(params_of(gyro.PARAMS, bias=[1.0, 2.0, 3.0]))]).run(rows, 0, 4)
-print(as_records(rows)["x2_meas"].sum(), is_compiled())
+from uavftc.core.stage import RAW, Stage, floats, law, params_of
+
+PARAMS = np.dtype([("gain", "f8"), ("matrix", "f8", (3, 3))])
+
+
+@law
+def helper(p, x):
+    return p.gain * x * p.matrix[0, 0]
+
+
+@law
+def on_row(p, s, row):
+    row.throttle = helper(p, row.t)
+    floats(s, 1)[0] += 1.0
+
+
+@law
+def on_effector(p, s, e, row):
+    e.deflection = helper(p, e.command)
+
+
+if __name__ == "__main__":
+    rows = empty_rows(2)
+    as_records(rows)["t"], as_records(rows)["effectors"]["command"] = 3.0, 5.0
+    p = params_of(PARAMS, gain=2.0, matrix=np.eye(3))
+    row, effector = Stage(on_row, PARAMS, RAW), Stage(on_effector, PARAMS)
+    Program([row.block(p, name="row")], [effector.block(np.repeat(p, 3), name="effector")]).run(rows, 0, 2)
+    print(as_records(rows)["throttle"].sum(), as_records(rows)["effectors"]["deflection"].sum())
 """
 
 
-def start(cache):
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(Path(uavftc.__file__).parents[1])}
-    return subprocess.Popen(
-        [sys.executable, "-c", FLY],
-        env=environment, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
-
-
-def test_processes_may_fill_an_empty_cache_at_the_same_time(tmp_path):
-    # sweeps start many at once: all compile, all write, each must come out right and leave a usable cache
-    cache = tmp_path / "cache"
-    processes = [start(cache) for _ in range(2)]
-    assert [p.stdout.readline() for p in processes] == ["False\n"] * 2  # both are ready, neither has compiled
-    for p in processes:
-        p.stdin.write("\n")
-        p.stdin.flush()
-    for p in processes:
-        out, err = p.communicate(timeout=120)
-        assert (p.returncode, out, err) == (0, "24.0 True\n", "")
-    third = start(cache)
-    out, err = third.communicate("\n", timeout=120)
-    assert (out, err) == ("True\n24.0 True\n", "")
-    (folder,) = cache.iterdir()
-    assert not list(folder.rglob("*.tmp*"))
-
-
-def test_compiled_laws_are_loaded_from_the_cache_and_not_compiled_again(tmp_path):
-    # the second flight of a machine starts at once: no file of the cache is written anew
-    cache = tmp_path / "cache"
-    files = []
-    for _ in range(2):
-        out, err = start(cache).communicate("\n", timeout=120)
-        assert err == ""
-        assert out.endswith("24.0 True\n")
-        files.append({f: f.stat().st_mtime_ns for f in cache.rglob("*.nb*")})
-    assert len(files[0]) >= 4  # index and code of the entry and of the loop over the rows
-    assert files[0] == files[1]
-
-
-def test_stage_compiles_when_its_address_is_asked_for_and_once():
-    # importing a law costs nothing; two blocks share one machine code
-    assert gyro.stage.address == gyro.stage.address != 0
-    fresh = stage.Stage(gyro.PARAMS, gyro.STATE)(gyro.stage._entry)
-    assert "address" not in vars(fresh)
-    assert fresh.address
-    assert "address" in vars(fresh)
+def test_a_law_is_loaded_from_the_cache_in_a_second_process_and_the_cache_does_not_grow(tmp_path):
+    # numba finds machine code by the types of the arguments: were a record's type new each time, every flight would
+    # compile, and leave another file
+    source, cache = tmp_path / "laws.py", tmp_path / "cache"
+    source.write_text(LAW)
+    environment = os.environ | {"UAVFTC_CACHE_DIR": str(cache), "PYTHONPATH": str(Path(uavftc.__file__).parents[1])}
+    found = []
+    for _ in range(3):
+        done = subprocess.run([sys.executable, source], env=environment, capture_output=True, text=True, check=True)
+        assert (done.stdout, done.stderr) == ("12.0 60.0\n", "")
+        found.append({f: f.stat().st_mtime_ns for f in cache.rglob("*") if f.is_file()})
+    compiled = sorted(f.suffix for f in found[0])
+    assert compiled == [".nbc"] * 3 + [".nbi"] * 3  # the two laws and the kernel, an index and the code of each
+    assert found[0] == found[1] == found[2]

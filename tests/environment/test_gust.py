@@ -8,8 +8,8 @@ from scipy.integrate import trapezoid
 
 from flying import jsbsim_plant
 from uavftc.aircraft.definition import load_aircraft
+from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
 from uavftc.environment.gust import one_minus_cosine
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program, params_of
+from uavftc.core.stage import params_of
 from uavftc.flight import envelope
 
 LIMITS = params_of(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import signal
 from itertools import product
 from pathlib import Path
 
@@ -13,17 +14,16 @@ import pytest
 from PIL import Image
 from rich.console import Console
 
+from uavftc.analysis.metrics import METRICS
 from uavftc.core.signals import AXES
 from uavftc.errors import InputError
-from uavftc.flight.fly import Outcome
 from uavftc.jobs import compare as comparison
 from uavftc.jobs.compare import compare, load_combinations
 from uavftc.jobs.fly import fly_mission
 from uavftc.report.distance import distance
 from uavftc.report.side_by_side import markdown, print_comparison, tidy_csv
 from uavftc.results.folder import ResultFolder
-from uavftc.results.kinds import COMPARISON, FLIGHT, kind_of
-from uavftc.results.summary import METRICS, summary, write_json
+from uavftc.results.summary import summary
 from uavftc.scenario.load import load_scenario
 
 SHORT = ("duration_s=2",)
@@ -143,7 +143,8 @@ def test_each_flight_is_as_uavftc_fly_writes_it_to_the_bit(compared, tmp_path):
     scenario = load_scenario(folder / "scenario.yaml")  # as flown, of the first combination
     alone, _ = fly_mission(scenario, tmp_path / "alone", figures=False)
     of_comparison = document["combinations"][0]
-    assert [k for k in alone if alone[k] != of_comparison[k]] == ["timing"]
+    assert set(alone) - set(of_comparison) == {"files"}
+    assert [k for k in of_comparison if alone[k] != of_comparison[k]] == ["timing"]
     ours = (folder / "histories" / "jsbsim-nndondi-l1.parquet").read_bytes()
     assert ours == (tmp_path / "alone" / "history.parquet").read_bytes()
 
@@ -166,9 +167,8 @@ def test_ctrl_c_in_one_flight_ends_the_job_and_writes_nothing(tmp_path, monkeypa
 
     def stopped(scenario):
         flown.append(scenario)
-        return fly_one(scenario)._replace(outcome=Outcome(False, "interrupted by the user", 1.0, True, 201, 0.1))
+        signal.raise_signal(signal.SIGINT)
 
-    fly_one = comparison.fly_one
     monkeypatch.setattr(comparison, "fly_one", stopped)
     with pytest.raises(KeyboardInterrupt):
         compare(load_combinations("scenario1", plants="analytic,jsbsim", overrides=SHORT), tmp_path / "a" / "run")
@@ -187,31 +187,17 @@ def test_one_plant_alone_has_no_distance_and_no_figure_of_it(tmp_path):
 # the folder
 
 
-def test_results_of_another_kind_are_ours_but_a_mixture_is_not(tmp_path):
+def test_results_of_another_job_are_ours_but_a_file_put_among_them_is_not(tmp_path):
     scenarios = load_combinations("scenario1", plants="analytic", overrides=SHORT)
     scenario = next(iter(scenarios.values()))
     fly_mission(scenario, tmp_path / "run", figures=False)
-    assert kind_of(tmp_path / "run") is FLIGHT
     compare(scenarios, tmp_path / "run", figures=False)
-    assert kind_of(tmp_path / "run") is COMPARISON
     assert "history.parquet" not in tree(tmp_path / "run")
     fly_mission(scenario, tmp_path / "run", figures=False)
     assert tree(tmp_path / "run") == {"summary.json", "history.parquet", "scenario.yaml"}
     (tmp_path / "run" / "comparison.md").write_text("notes of the user", encoding="utf-8")
-    for kind in (FLIGHT, COMPARISON):
-        with pytest.raises(InputError, match=r"comparison\.md"):
-            ResultFolder(tmp_path / "run", kind).check()
-
-
-def test_a_file_of_another_kind_of_folder_is_ours_by_mistake(tmp_path):
-    def careless():
-        with ResultFolder(tmp_path / "run", COMPARISON) as folder:
-            write_json(folder.path / "summary.json", {"provenance": {"uavftc": "0"}})
-            (folder.path / "history.parquet").write_bytes(b"h")
-
-    with pytest.raises(RuntimeError, match=r"history\.parquet is not in KNOWN_FILES of a comparison"):
-        careless()
-    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(InputError, match=r"comparison\.md"):
+        ResultFolder(tmp_path / "run").check()
 
 
 # the tables
@@ -219,7 +205,7 @@ def test_a_file_of_another_kind_of_folder_is_ours_by_mistake(tmp_path):
 
 def document_of(plants: int, controllers: int) -> dict:
     names = ("jsbsim", "analytic")[:plants], ("nndondi-mrac", "nndondi-l1", "ndi-mrac", "ndi-l1")[:controllers]
-    values = dict(zip(METRICS, (12.3456, None, 0.17, 123456.7, 1e-7, 0.3, 42.02), strict=True))
+    values = dict(zip((m.name for m in METRICS), (12.3456, None, 0.17, 123456.7, 1e-7, 0.3, 42.02), strict=True))
     flights = [
         summary(
             scenario="scenario3", aircraft="hale", plant=plant, controller=controller,

@@ -1,4 +1,4 @@
-"""The analytic plant against eq. (7): order of the integration, linear response, the switch inside a sample, inputs."""
+"""The analytic plant against eq. (7): order of the integration, linear response, a change inside a sample, inputs."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from flying import bare, given_of
+from uavftc.actuators import delay
+from uavftc.control import allocation
+from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
 from uavftc.plants.analytic import AnalyticPlant
 from uavftc.plants.interface import Timing
 
@@ -19,17 +22,33 @@ B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])
 ZERO = np.zeros((3, 3))
 
 
-def fly(samples, *, J=HALE_J, A=A_L, B=B_M, h=0.05, substeps=1, switch=0.0, x1=(0, 0, 0), x2=(0, 0, 0), **inputs):
+def fly(samples, *, J=HALE_J, A=A_L, B=B_M, h=0.05, substeps=1, x1=(0, 0, 0), x2=(0, 0, 0), **inputs):
     """Return the records of `samples` + 1 rows; inputs are arrays (3,) or (samples + 1, 3) of row fields."""
-    plant = AnalyticPlant(J, A, B, Timing(h, substeps, switch))
+    plant = AnalyticPlant(J, A, B, Timing(h, substeps))
     plant._state["x1"], plant._state["x2"] = x1, x2
     rows = empty_rows(samples + 1)
     records = as_records(rows)
     for field, value in inputs.items():
         records[field] = value
-    if "u2" in inputs and "u2_late" not in inputs:
-        records["u2_late"] = records["u2"]
-    plant.run(Program([*plant.before(), *plant.after()]), rows, 0, len(rows))
+    plant.run(bare(plant), rows, 0, len(rows))
+    return records
+
+
+def late(commands, part, *, J=HALE_J, h=0.05, substeps=32, x1=(0, 0, 0), x2=(0, 0, 0), **inputs):
+    """Return the records of a flight whose commands, one a row, reach the surfaces `part` of a sample later."""
+    timing = Timing(h, substeps)
+    plant = AnalyticPlant(J, A_L, B_M, timing)
+    plant._state["x1"], plant._state["x2"] = x1, x2
+    given = given_of(timing, len(commands))
+    allocate, gather = allocation.blocks(given)
+    actuators = delay.blocks(delay.Config(delay_s=part * h), given)
+    rows = empty_rows(len(commands))
+    records = as_records(rows)
+    records["v2"] = commands
+    for field, value in inputs.items():
+        records[field] = value
+    program = Program(plant.before(), [allocate, *actuators, gather, *plant.after()], substeps=substeps)
+    plant.run(program, rows, 0, len(rows))
     return records
 
 
@@ -107,32 +126,55 @@ def test_small_motions_of_hale_are_linear():
     np.testing.assert_allclose(np.concatenate([last["x1"], last["x2"]]), expected, atol=1e-6 * scale)
 
 
-@pytest.mark.parametrize("switch", [0.25, 0.37, 0.999])
-def test_switch_inside_a_sample_is_exact(switch):
+COMMANDS = np.array([[0.1, 0.05, -0.1], [-0.1, 0.02, 0.1], [0.0, 0.0, 0.0]])
+
+
+@pytest.mark.parametrize("part", [0.0, 0.25, 0.375, 0.96875, 1.0])
+def test_a_delay_that_falls_on_plant_steps_splits_the_sample_exactly(part):
     # A command that changes at t_k + f h is flown as two pieces; a mean command in its place would be 1e-4 off.
-    h, u2, late = 0.05, np.array([0.1, 0.05, -0.1]), np.array([-0.1, 0.02, 0.1])
-    records = fly(1, J=BALL_J, h=h, substeps=32, switch=switch, u2=u2, u2_late=late)
-    first, second = held(A_L, B_M, switch * h), held(A_L, B_M, (1 - switch) * h)
-    expected = second[0] @ (first[1] @ u2) + second[1] @ late
-    np.testing.assert_allclose(records["x2"][1], expected, atol=1e-12)
-    mean = held(A_L, B_M, h)[1] @ (switch * u2 + (1 - switch) * late)
-    assert np.max(np.abs(mean - expected)) > (1e-4 if switch < 0.9 else 1e-8)
+    h, (one, two, _) = 0.05, COMMANDS
+    records = late(COMMANDS, part, J=BALL_J)
+    first, second = held(A_L, B_M, part * h), held(A_L, B_M, (1 - part) * h)
+    x2 = second[1] @ one
+    np.testing.assert_allclose(records["x2"][1], x2, atol=1e-12)
+    expected = second[0] @ (first[0] @ x2 + first[1] @ one) + second[1] @ two
+    np.testing.assert_allclose(records["x2"][2], expected, atol=1e-12)
+    whole = held(A_L, B_M, h)
+    mean = whole[0] @ x2 + whole[1] @ (part * one + (1 - part) * two)
+    if 0.0 < part < 0.9:
+        assert np.max(np.abs(mean - expected)) > 1e-4
 
 
-def test_switch_inside_a_sample_is_exact_for_the_nonlinear_model():
-    # The attitude passes the switch too: two pieces of an eighth-order integration, with the disturbances held.
-    h, switch, late = 0.05, 0.6, np.array([-0.1, 0.02, 0.1])
-    records = fly(1, h=h, substeps=32, switch=switch, u2_late=late, **START, **LOADS)
-    loads = {k: np.array(v) for k, v in LOADS.items()}
-    x = exact(np.concatenate([START["x1"], START["x2"]]), switch * h, **loads)
-    x = exact(x, (1 - switch) * h, **(loads | {"u2": late}))
-    np.testing.assert_allclose(np.concatenate([records["x1"][1], records["x2"][1]]), x, atol=1e-11)
+def test_a_delay_inside_a_sample_is_exact_for_the_nonlinear_model():
+    # The attitude passes the change too: two pieces of an eighth-order integration, with the disturbances held.
+    h, part, (one, two, _) = 0.05, 0.625, COMMANDS
+    loads = {k: np.array(LOADS[k]) for k in ("d1", "d2")}
+    records = late(COMMANDS, part, **START, **loads)
+    x = np.concatenate([START["x1"], START["x2"]])
+    for u2, seconds in ((0.0 * one, part * h), (one, (1 - part) * h), (one, part * h), (two, (1 - part) * h)):
+        x = exact(x, seconds, u2=u2, **loads)
+    np.testing.assert_allclose(np.concatenate([records["x1"][2], records["x2"][2]]), x, atol=1e-11)
 
 
-def test_without_a_switch_only_the_late_command_acts():
-    # switch = 0 means that the present command holds from t_k on: the earlier one must have no share.
-    records = fly(5, u2=(0.5, 0.5, 0.5), u2_late=(0.0, 0.0, 0.0))
-    np.testing.assert_array_equal(records["x2"], 0.0)
+def test_a_delay_that_falls_between_plant_steps_is_off_by_one_step_squared():
+    # Over the one step in which the command changes the surface stands at the mean of both: the impulse is right, and
+    # what is left is |A B du| dt^2 / 8 a change.
+    h, part, substeps, (one, two, _) = 0.05, 0.37, 32, COMMANDS
+    records = late(COMMANDS, part, J=BALL_J, substeps=substeps)
+    first, second = held(A_L, B_M, part * h), held(A_L, B_M, (1 - part) * h)
+    expected = second[0] @ (first[0] @ (second[1] @ one) + first[1] @ one) + second[1] @ two
+    found = np.abs(records["x2"][2] - expected)
+    bound = (np.abs(A_L) @ np.abs(B_M) @ (np.abs(one) + np.abs(two - one))) * (h / substeps) ** 2 / 8.0
+    assert np.all(found <= bound)
+    assert np.max(found) > 1e-8  # it is not exact, so the bound says something
+
+
+def test_the_row_holds_the_deflection_from_its_own_instant_on():
+    # What a row publishes as u2 is flown from t_k on, also where the command changes within the sample.
+    records = late(COMMANDS, 0.25)
+    np.testing.assert_array_equal(records["u2"], [np.zeros(3), COMMANDS[0], COMMANDS[1]])
+    np.testing.assert_array_equal(records["effectors"]["deflection"], records["u2"])
+    np.testing.assert_array_equal(records["effectors"]["command"], COMMANDS)
 
 
 def test_d1_adds_to_the_attitude_rates():
@@ -164,13 +206,13 @@ def test_inputs_hold_from_their_row_on():
 def test_slices_fly_as_one():
     # The loop hands over slices of rows; the flight is the same to the bit wherever they are cut.
     whole = fly(30, **START, **LOADS)
-    plant = AnalyticPlant(HALE_J, A_L, B_M, Timing(0.05, 1, 0.0))
+    plant = AnalyticPlant(HALE_J, A_L, B_M, Timing(0.05, 1))
     plant._state["x1"], plant._state["x2"] = START["x1"], START["x2"]
     rows = empty_rows(31)
     records = as_records(rows)
-    for field, value in {**LOADS, "u2_late": LOADS["u2"]}.items():
+    for field, value in LOADS.items():
         records[field] = value
-    program = Program([*plant.before(), *plant.after()])
+    program = bare(plant)
     for first, last in ((0, 1), (1, 13), (13, 31)):
         assert plant.run(program, rows, first, last) == last
     assert records.tobytes() == whole.tobytes()

@@ -13,13 +13,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flying import given_of
+from uavftc.actuators import effectiveness, stops
 from uavftc.aircraft.definition import load_aircraft
+from uavftc.control import allocation
+from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
-from uavftc.flight.build import actuator_blocks, timing_of
+from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim.model import trimmed_model
 from uavftc.plants.jsbsim.plant import JSBSimPlant
-from uavftc.scenario.schema import Scenario
 
 FAILED = tuple(f"fcs/{side}-aileron-actuator/malfunction/fail_zero" for side in ("left", "right"))
 AILERONS = ("fcs/left-aileron-pos-rad", "fcs/right-aileron-pos-rad")
@@ -34,19 +36,23 @@ def fly(fault, *, neutral):
     to_neutral = -model.trim["surfaces"][0] * model.rad_per_command[0]
     if neutral:
         model = model._replace(trim=model.trim | {"surfaces": [0.0, *model.trim["surfaces"][1:]]})
-    scenario = Scenario.model_validate({"name": "open-loop", "duration_s": 6})
-    timing, whole = timing_of(scenario)
+    timing = Timing(0.005, 1)
     still = {"wind_n": np.zeros(3), "has_wind": False, "has_moment": False}
     plant = JSBSimPlant(load_aircraft("jsbsim:c172x"), model, timing, **still)
-    program = Program([*plant.before(), *actuator_blocks(scenario, plant, timing, whole), *plant.after()])
+    given = given_of(timing, ROWS, plant.u_limits)
+    allocate, gather = allocation.blocks(given)
+    faulty = effectiveness.blocks((effectiveness.Config(surface="aileron"),), given)
+    actuators = [allocate, *faulty, *stops.blocks(None, given), gather]
+    program = Program(plant.before(), [*actuators, *plant.after()])
     rows = empty_rows(ROWS)
     records = as_records(rows)
-    records["effectiveness"] = 1.0
+    surfaces = records["effectors"]
+    surfaces["effectiveness"] = 1.0
     records["v2"][:, 0] = COMMAND
     if fault.startswith("effectiveness"):
-        records["effectiveness"][FAIL_ROW:, 0] = 0.0
+        surfaces["effectiveness"][FAIL_ROW:, 0] = 0.0
     if fault == "effectiveness and bias":
-        records["bias"][FAIL_ROW:, 0] = to_neutral
+        surfaces["bias"][FAIL_ROW:, 0] = to_neutral
     ailerons = np.empty((ROWS, 2))
     for k in range(ROWS):
         if fault == "fail_zero" and k == FAIL_ROW:

@@ -15,10 +15,9 @@ import jsbsim
 import numpy as np
 import pytest
 
-from flying import jsbsim_plant
+from flying import bare, jsbsim_plant
 from uavftc.aircraft.definition import load_aircraft
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import model
 from uavftc.plants.jsbsim.load import load
@@ -237,7 +236,7 @@ def test_flights_in_one_process_do_not_disturb_each_other(hale):
         plant = jsbsim_plant(hale, has_moment=True)
         rows = empty_rows(200)
         as_records(rows)["d2"] = (0.3, 0.1, 0.2) if pushed else 0.0
-        return plant, Program([*plant.before(), *plant.after()]), rows
+        return plant, bare(plant), rows
 
     plant, program, alone = fly(pushed=False)
     plant.run(program, alone, 0, 200)

@@ -10,13 +10,12 @@ import sys
 import numpy as np
 import pytest
 
-from flying import jsbsim_plant
+from flying import bare, deflected, jsbsim_plant
 from uavftc.aircraft.definition import load_aircraft
-from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
+from uavftc.analysis.modes import STATES
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import model
-from uavftc.plants.jsbsim.linearise import STATES, throttle_response
+from uavftc.plants.jsbsim.linearise import throttle_response
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import NOMINAL_RAD, trimmed_model
 from uavftc.plants.jsbsim.plant import INTEGRATORS
@@ -51,10 +50,8 @@ def first_accelerations(aircraft, at, u2, frames=1):
     By Euler's rule, under which the first rates are simply acceleration times time.
     """
     euler = dict.fromkeys(INTEGRATORS, 1)
-    plant = jsbsim_plant(aircraft, Timing(0.001, 1, 0.0), airspeed=at[0], altitude=at[1], integrators=euler)
-    rows, found = empty_rows(frames), np.empty((frames, 3))
-    as_records(rows)["u2"] = as_records(rows)["u2_late"] = u2
-    program = Program([*plant.before(), *plant.after()])
+    plant = jsbsim_plant(aircraft, Timing(0.001, 1), airspeed=at[0], altitude=at[1], integrators=euler)
+    rows, found, program = deflected(frames, u2), np.empty((frames, 3)), bare(plant)
     for k in range(frames):
         plant.run(program, rows, k, k + 1)
         found[k] = [plant.fdm[f"accelerations/{x}dot-rad_sec2"] for x in "pqr"]

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from closed_form import FreeRotation, angle_between, from_euler
 
-from flying import jsbsim_plant
+from flying import bare, deflected, given_of, jsbsim_plant
+from uavftc.actuators import delay
 from uavftc.aircraft.definition import load_aircraft
+from uavftc.control import allocation
+from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.plants.interface import Timing
@@ -24,11 +26,6 @@ FT, SLUGFT2 = 0.3048, 4.4482216152605 * 0.3048
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])
 POSITIONS = ("fcs/left-aileron-pos-rad", "fcs/elevator-pos-rad", "fcs/rudder-pos-rad")
 COMMANDS = ("fcs/aileron-cmd-norm", "fcs/elevator-cmd-norm", "fcs/rudder-cmd-norm")
-
-
-def bare(plant):
-    """Return the program of a plant without a controller: the rows' own u2, d2 and wind fly it."""
-    return Program([*plant.before(), *plant.after()])
 
 
 def test_rows_are_in_si(hale):
@@ -63,9 +60,10 @@ def test_rows_are_in_si(hale):
 def test_a_command_moves_the_surface_one_frame_later_and_the_rates_two(hale, surface):
     # Given a step in row 3, the surface stands at t_4, the rates move at t_5, the attitude at t_6 at the latest.
     plant = jsbsim_plant(hale)
-    rows = empty_rows(10)
+    u2 = np.zeros((10, 3))
+    u2[3:, surface] = 0.01
+    rows = deflected(10, u2)
     records = as_records(rows)
-    records["u2"][3:, surface] = records["u2_late"][3:, surface] = 0.01
     program = bare(plant)
     position = []
     for k in range(10):
@@ -85,9 +83,7 @@ def test_a_small_deflection_gives_the_papers_acceleration(hale):
     # One frame after each command the body accelerations are B_m u: size, sign and unit (rad) of every surface at once.
     u2 = np.array([0.01, -0.02, 0.015])
     plant = jsbsim_plant(hale)
-    rows = empty_rows(1)
-    as_records(rows)["u2"] = as_records(rows)["u2_late"] = u2
-    plant.run(bare(plant), rows, 0, 1)
+    plant.run(bare(plant), deflected(1, u2), 0, 1)
     np.testing.assert_allclose(_accelerations(plant.fdm), B_M @ u2, rtol=1e-6, atol=1e-9)
 
 
@@ -145,31 +141,49 @@ def test_heading_is_continuous_in_flight(turn):
     assert psi[-1] == pytest.approx(turn * 450.0, abs=25.0)  # a ramp is followed at a distance of rate / bandwidth
 
 
-@pytest.mark.parametrize(("switch", "substeps"), [(0.37, 4), (0.5, 1), (0.25, 4), (0.9, 3)])
-def test_a_partial_delay_conserves_the_mean_deflection(hale, switch, substeps):
-    # Over a sample the surface commands sum up to switch * u2 + (1 - switch) * u2_late, whatever the frames are,
-    # and at most one frame a sample holds a mixture.
-    plant = jsbsim_plant(hale, Timing(0.01, substeps, switch))
+def frames_flown(hale, commands, *, delay_s, substeps, h=0.01):
+    """Return the surface commands about trim at each frame, rad (hale's unit), and the rows' records."""
+    timing = Timing(h, substeps)
+    plant = jsbsim_plant(hale, timing)
     plant.fdm = recorder = _Recorder(plant.fdm)
-    rows = empty_rows(1)
-    early, late = np.array([0.03, -0.02, 0.01]), np.array([-0.01, 0.04, 0.02])
-    as_records(rows)["u2"], as_records(rows)["u2_late"] = early, late
-    plant.run(bare(plant), rows, 0, 1)
-    flown = np.array(recorder.seen) - plant.trim.surfaces
-    assert len(flown) == substeps
-    np.testing.assert_allclose(flown.mean(axis=0), switch * early + (1.0 - switch) * late, atol=1e-15)
-    pure = [np.allclose(u, early) or np.allclose(u, late) for u in flown]
-    assert pure.count(False) <= 1
+    given = given_of(timing, len(commands))
+    allocate, gather = allocation.blocks(given)
+    actuators = delay.blocks(delay.Config(delay_s=delay_s), given)
+    rows = empty_rows(len(commands))
+    as_records(rows)["v2"] = commands
+    program = Program(plant.before(), [allocate, *actuators, gather, *plant.after()])
+    plant.run(program, rows, 0, len(rows))
+    return np.array(recorder.seen) - plant.trim.surfaces, as_records(rows)
+
+
+COMMANDED = np.array([[0.03, -0.02, 0.01], [-0.01, 0.04, 0.02], [0.02, 0.0, -0.03]])
+
+
+@pytest.mark.parametrize(
+    ("samples", "substeps"), [(0.37, 4), (0.5, 1), (0.25, 4), (0.9, 3), (1.25, 4), (2.0, 2), (0.0, 3)]
+)
+def test_the_surfaces_follow_the_delay_frame_by_frame(hale, samples, substeps):
+    # Frame n flies the command that was given d frames earlier; a part f of a frame that is left over is a mixture, in
+    # one frame a sample at most. Over a sample the surface then has the mean that the delay asks for.
+    flown, records = frames_flown(hale, COMMANDED, delay_s=samples * 0.01, substeps=substeps)
+    assert len(flown) == 3 * substeps
+    given = np.vstack([np.zeros((3 * substeps, 3)), np.repeat(COMMANDED, substeps, axis=0)])  # at trim before t = 0
+    whole, part = divmod(round(samples * substeps, 9), 1.0)
+    at = 3 * substeps + np.arange(3 * substeps) - int(whole)
+    np.testing.assert_allclose(flown, (1.0 - part) * given[at] + part * given[at - 1], atol=1e-15)
+    before, share = divmod(round(samples, 9), 1.0)
+    line = np.vstack([np.zeros((3, 3)), COMMANDED])
+    k = 3 + np.arange(3) - int(before)
+    mean = flown.reshape(3, substeps, 3).mean(axis=1)
+    np.testing.assert_allclose(mean, (1.0 - share) * line[k] + share * line[k - 1], atol=1e-15)
+    np.testing.assert_array_equal(records["u2"], records["effectors"]["deflection"])
+    np.testing.assert_allclose(records["u2"], flown[::substeps], atol=1e-15)  # a row holds what is flown from t_k on
 
 
 def test_without_a_delay_only_the_present_command_is_flown(hale):
-    # switch = 0: the earlier command has no share in any frame.
-    plant = jsbsim_plant(hale, Timing(0.01, 2, 0.0))
-    plant.fdm = recorder = _Recorder(plant.fdm)
-    rows = empty_rows(1)
-    as_records(rows)["u2"], as_records(rows)["u2_late"] = 0.3, 0.02
-    plant.run(bare(plant), rows, 0, 1)
-    np.testing.assert_allclose(np.array(recorder.seen) - plant.trim.surfaces, 0.02, atol=1e-15)
+    # The command of a row is on the surfaces in each frame of its sample: the earlier one has no share in any.
+    flown, _ = frames_flown(hale, np.array([[0.3] * 3, [0.02] * 3]), delay_s=0.0, substeps=2)
+    np.testing.assert_allclose(flown, np.repeat([[0.3] * 3, [0.02] * 3], 2, axis=0), atol=1e-15)
 
 
 def test_wind_reaches_the_aircraft_in_si(hale):
@@ -290,7 +304,7 @@ def test_integrators_converge_faster_than_first_order(brick):
 
 def test_settings_record_step_and_integrators(hale):
     # The results must say how they were integrated; the values are read back from JSBSim itself.
-    plant = jsbsim_plant(hale, Timing(0.01, 2, 0.0))
+    plant = jsbsim_plant(hale, Timing(0.01, 2))
     assert plant.settings["step_s"] == plant.fdm.get_delta_t() == 0.005
     for name, code in plant.settings["integrators"].items():
         assert plant.fdm[f"simulation/integrator/{name}"] == code

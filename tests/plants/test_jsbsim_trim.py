@@ -6,20 +6,23 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from flying import jsbsim_plant
+from flying import bare, jsbsim_plant
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.load import load, mass_properties
 from uavftc.plants.jsbsim.model import trimmed_model
 
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])  # paper, section 4
 
-# aircraft/hale/README.md
+# aircraft/hale/README.md; its table is what tools/hale_aircraft.py computes, and --check repeats
 MASS, WING, CHORD = 425.0, 80.0, 1.634
 CL_0, CL_ALPHA, CD_0, K = 0.104143, 5.83765, 0.01, 0.0149541
 CM_ALPHA, CM_DE = -0.525389, 0.724163
 SHAFT_POWER = 50e3  # W, both motors
+PROP_DIAMETER = 2.0  # m
+PROP_J, PROP_CT, PROP_CP = np.array(  # aircraft/hale/engine/hale_prop.xml
+    [(0.0, 0.13, 0.095), (0.5, 0.105, 0.095), (1.0, 0.065, 0.08), (1.5, 0.01, 0.03), (2.0, -0.05, -0.03)]
+).T
 
 
 def density(altitude):
@@ -52,6 +55,18 @@ def level_flight(airspeed, altitude):
     return alpha, -CM_ALPHA * alpha / CM_DE, drag(alpha)
 
 
+def level_throttle(airspeed, altitude):
+    """Return the throttle at which two propellers pull the drag of level flight at alpha = 0."""
+    rho, D = density(altitude), PROP_DIAMETER
+    _, _, drag = level_flight(airspeed, altitude)
+
+    def surplus(n):  # revolutions a second
+        return 2.0 * np.interp(airspeed / (n * D), PROP_J, PROP_CT) * rho * n**2 * D**4 - drag
+
+    n = brentq(surplus, 5.0, 30.0, xtol=1e-14)
+    return 2.0 * np.interp(airspeed / (n * D), PROP_J, PROP_CP) * rho * n**3 * D**5 / SHAFT_POWER
+
+
 def plant_at(hale, airspeed=30.0, altitude=1000.0, wind_n=(0.0, 0.0, 0.0)):
     wind = np.array(wind_n)
     return jsbsim_plant(hale, airspeed=airspeed, altitude=altitude, wind_n=wind, has_wind=bool(wind.any()))
@@ -61,7 +76,7 @@ def hands_off(plant, seconds, wind_n=(0.0, 0.0, 0.0)):
     """Fly at the trim commands, autothrottle on; return the records."""
     rows = empty_rows(round(seconds * 200) + 1)
     as_records(rows)["wind_n"] = wind_n
-    plant.run(Program([*plant.before(), *plant.after()]), rows, 0, len(rows))
+    plant.run(bare(plant), rows, 0, len(rows))
     return as_records(rows)
 
 
@@ -95,11 +110,11 @@ def test_level_trim_leaves_no_acceleration(hale):
 
 
 def test_trim_is_alpha_zero_at_the_papers_condition(hale):
-    # CL_0 was chosen so that alpha = theta = 0 is the level trim; throttle is the README's 0.29099.
+    # CL_0 was chosen so that alpha = theta = 0 is the level trim; the throttle follows from the propeller's table.
     trim = trimmed_model(hale, 30.0, 1000.0).trim
     assert trim["alpha"] == pytest.approx(0.0, abs=1e-6)
     assert trim["surfaces"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
-    assert trim["throttle"] == pytest.approx(0.29099, abs=1e-5)
+    assert trim["throttle"] == pytest.approx(level_throttle(30.0, 1000.0), abs=1e-5)
 
 
 def test_control_matrix_at_trim_is_the_papers(hale):

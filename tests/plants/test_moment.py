@@ -7,10 +7,9 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from flying import flown, jsbsim_plant
+from flying import bare, flown, jsbsim_plant
 from uavftc.aircraft.definition import load_aircraft, stock_names
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
 from uavftc.plants.jsbsim.moment import MOMENT, add_moment, copy_with_moment
 
 BEFORE, AFTER = '<fdm_config name="a"><metrics/>', "<aerodynamics/></fdm_config>\n"
@@ -80,7 +79,7 @@ def accelerations(aircraft, d2, *, airspeed, altitude, has_moment=True):
     plant = jsbsim_plant(aircraft, airspeed=airspeed, altitude=altitude, has_moment=has_moment)
     rows = empty_rows(1)
     as_records(rows)["d2"] = d2
-    plant.run(Program([*plant.before(), *plant.after()]), rows, 0, 1)
+    plant.run(bare(plant), rows, 0, 1)
     return np.array([plant.fdm[f"accelerations/{x}dot-rad_sec2"] for x in "pqr"])
 
 

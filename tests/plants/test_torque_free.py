@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from closed_form import FreeRotation, angle_between, from_euler
 
+from flying import bare
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.core.stage import Program
 from uavftc.plants.analytic import AnalyticPlant
 from uavftc.plants.interface import Timing
 
@@ -38,10 +38,10 @@ CASES = {
 def flight(request):
     """Fly 60 s at 200 Hz with A_l = 0 and B = 0; return time, attitude, rates and the closed form."""
     w0, x1_0 = CASES[request.param]
-    plant = AnalyticPlant(HALE_J, np.zeros((3, 3)), np.zeros((3, 3)), Timing(H, 1, 0.0))
+    plant = AnalyticPlant(HALE_J, np.zeros((3, 3)), np.zeros((3, 3)), Timing(H, 1))
     plant._state["x1"], plant._state["x2"] = x1_0, w0
     rows = empty_rows(round(SECONDS / H) + 1)
-    plant.run(Program([*plant.before(), *plant.after()]), rows, 0, len(rows))
+    plant.run(bare(plant), rows, 0, len(rows))
     records = as_records(rows)
     motion = FreeRotation(HALE_J, w0, from_euler(x1_0)[0])
     return H * np.arange(len(rows)), records["x1"].copy(), records["x2"].copy(), motion

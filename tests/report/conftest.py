@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from uavftc.core import signals
-from uavftc.results.history import published
+from uavftc.flight.recorder import published
 
 RATE_HZ = 200.0
 BANDWIDTH = 0.5  # rad/s

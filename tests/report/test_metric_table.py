@@ -8,10 +8,13 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from uavftc.analysis.metrics import METRICS
 from uavftc.report.table import metric_table, print_result
-from uavftc.results.summary import METRICS, summary
+from uavftc.results.summary import summary
 
-ROLL = dict(zip(METRICS, (0.0021, 9.153, 0.16854, 0.0081, 0.3073, 0.0076, 0.1234), strict=True))
+ROLL = dict(
+    zip((metric.name for metric in METRICS), (0.0021, 9.153, 0.16854, 0.0081, 0.3073, 0.0076, 0.1234), strict=True)
+)
 
 
 def document(**changes):

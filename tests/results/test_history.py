@@ -11,7 +11,8 @@ import pytest
 
 from uavftc.core import signals
 from uavftc.errors import InputError
-from uavftc.results.history import MemoryRecorder, ParquetRecorder, published, read_history, read_metadata
+from uavftc.flight.recorder import MemoryRecorder, published
+from uavftc.results.history import ParquetRecorder, read_history, read_metadata, write_history
 
 CHUNK = 16_384
 
@@ -94,6 +95,15 @@ def test_identical_flights_give_identical_bytes_whatever_the_order_of_the_metada
     other = write(tmp_path / "3.parquet", flight(5_000), metadata={"scenario": "name: x\n", "seed": "2"})
     assert one.read_bytes() == two.read_bytes()
     assert one.read_bytes() != other.read_bytes()
+
+
+def test_a_history_written_at_once_is_the_streamed_one_to_the_byte(tmp_path):
+    # a comparison keeps the published columns alone, and its files must be those that the flights would have written
+    records, metadata = flight(2_500), {"seed": "1"}
+    chunks = [records[k : k + 1_000] for k in range(0, 2_500, 1_000)]
+    streamed = write(tmp_path / "streamed.parquet", *chunks, metadata=metadata)
+    write_history(tmp_path / "at-once.parquet", published(records), metadata, chunk=1_000)
+    assert (tmp_path / "at-once.parquet").read_bytes() == streamed.read_bytes()
 
 
 def test_metadata_is_kept_under_the_prefix(tmp_path):

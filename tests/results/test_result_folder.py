@@ -2,31 +2,44 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from uavftc.errors import InputError
 from uavftc.results import folder as results
-from uavftc.results.folder import KNOWN_FILES, ResultFolder
+from uavftc.results import manifest
+from uavftc.results.folder import ResultFolder
 from uavftc.results.summary import write_json
 
-OURS = {"provenance": {"uavftc": "0.1.0"}}
+OURS: dict[str, Any] = {"provenance": {"uavftc": "0.1.0"}}
 
 
 def fill(folder: Path, run: int = 1) -> None:
     (folder / "figures").mkdir(parents=True)
-    write_json(folder / "summary.json", OURS | {"run": run})
     (folder / "history.parquet").write_bytes(b"h")
     (folder / "figures" / "tracking.png").write_bytes(b"p")
+    (folder / "scenario.yaml").write_text("name: flown\n")
+    write_json(folder / "summary.json", OURS | {"run": run, "files": manifest.checksums(folder)})
 
 
 def fly(target: Path, run: int = 1) -> None:
     with ResultFolder(target) as folder:
         fill(folder.path, run)
+
+
+def first_version(folder: Path, *names: str, **summary: Any) -> None:
+    """Results as the first versions wrote them: no list of files in the summary."""
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("result")
+    write_json(folder / "summary.json", OURS | summary)
 
 
 def tree(folder: Path) -> dict[str, bytes | None]:
@@ -46,7 +59,7 @@ def test_the_folder_appears_only_when_complete_and_leaves_nothing_beside(tmp_pat
         assert folder.path == tmp_path / "a" / "b" / f".run.partial-{os.getpid()}"
         fill(folder.path)
         assert not target.exists()
-    assert set(os.listdir(target)) == {"summary.json", "history.parquet", "figures"}
+    assert set(os.listdir(target)) == {"summary.json", "history.parquet", "scenario.yaml", "figures"}
     assert os.listdir(target.parent) == ["run"]
 
 
@@ -81,12 +94,98 @@ def test_an_empty_folder_may_be_used(tmp_path):
 
 
 def test_old_results_are_replaced_whole(tmp_path):
-    fly(tmp_path / "run", run=1)
-    (tmp_path / "run" / "report.html").write_text("old")
+    with ResultFolder(tmp_path / "run") as folder:
+        (folder.path / "flights.parquet").write_bytes(b"f")  # any job's files, whatever they are called
+        (folder.path / "a" / "b").mkdir(parents=True)
+        (folder.path / "a" / "b" / "c.csv").write_text("c")
+        folder.write_summary(OURS)
     fly(tmp_path / "run", run=2)
     assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
-    assert not (tmp_path / "run" / "report.html").exists()  # no mixture of two flights
+    assert not (tmp_path / "run" / "flights.parquet").exists()  # no mixture of two jobs
+    assert not (tmp_path / "run" / "a").exists()
     assert os.listdir(tmp_path) == ["run"]
+
+
+def test_the_summary_lists_every_other_file_with_its_checksum(tmp_path):
+    with ResultFolder(tmp_path / "run") as folder:
+        fill(folder.path)
+        (folder.path / "summary.json").unlink()
+        document = folder.write_summary(OURS | {"run": 3})
+    assert json.loads((tmp_path / "run" / "summary.json").read_bytes()) == document
+    assert {name: document[name] for name in ("provenance", "run")} == OURS | {"run": 3}
+    assert document["files"] == {
+        "figures/tracking.png": hashlib.sha256(b"p").hexdigest(),
+        "history.parquet": hashlib.sha256(b"h").hexdigest(),
+        "scenario.yaml": hashlib.sha256(b"name: flown\n").hexdigest(),
+    }
+
+
+def test_an_edited_file_is_the_users_and_named(tmp_path):
+    # the scenario as flown is the first thing to copy and change, and it is often changed where it is
+    fly(tmp_path / "run")
+    (tmp_path / "run" / "scenario.yaml").write_text("name: mine\n")
+    before = tree(tmp_path)
+    with pytest.raises(InputError, match=r"scenario\.yaml, which was changed after uavftc wrote it") as refused:
+        fly(tmp_path / "run", run=2)
+    assert refused.value.remedy == "move scenario.yaml elsewhere, or name another folder with --out"
+    assert tree(tmp_path) == before
+    (tmp_path / "run" / "scenario.yaml").write_text("name: flown\n")  # taken back
+    fly(tmp_path / "run", run=2)
+
+
+def test_a_file_that_the_user_deleted_is_no_reason_to_keep_the_rest(tmp_path):
+    fly(tmp_path / "run")
+    (tmp_path / "run" / "figures" / "tracking.png").unlink()
+    fly(tmp_path / "run", run=2)
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+
+
+def test_a_file_edited_at_the_very_last_moment_is_not_removed_with_the_old_results(tmp_path, monkeypatch):
+    fly(tmp_path / "run", run=1)
+    rename = Path.rename
+
+    def intrude(self: Path, target: Path) -> Path:
+        if ".partial-" in self.name:
+            (tmp_path / f".run.old-{os.getpid()}" / "scenario.yaml").write_text("name: mine\n")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", intrude)
+    fly(tmp_path / "run", run=2)
+    assert tree(tmp_path / f".run.old-{os.getpid()}") == {"scenario.yaml": b"name: mine\n"}
+
+
+FIRST_VERSIONS: dict[str, tuple[list[str], dict[str, Any]]] = {
+    "flight": (["history.parquet", "scenario.yaml", "figures/air.png", "report.html"], {"axes": {}}),
+    "comparison": (
+        ["comparison.md", "figures/difference.png", "histories/jsbsim-my-law.parquet"],
+        {"combinations": [{"plant": "jsbsim", "controller": "my-law"}]},
+    ),
+    "reproduction": (["reproduction.md", "tables.csv", "figures/jsbsim-figure-11.pdf"], {"claims": []}),
+}
+
+
+@pytest.mark.parametrize("kind", FIRST_VERSIONS)
+def test_results_of_the_first_versions_are_replaced_though_they_list_no_files(tmp_path, kind):
+    names, summary = FIRST_VERSIONS[kind]
+    first_version(tmp_path / "run", *names, **summary)
+    fly(tmp_path / "run", run=2)
+    assert os.listdir(tmp_path) == ["run"]
+    assert set(os.listdir(tmp_path / "run")) == {"summary.json", "history.parquet", "scenario.yaml", "figures"}
+
+
+@pytest.mark.parametrize("kind", FIRST_VERSIONS)
+@pytest.mark.parametrize("stray", ["notes.txt", "histories/jsbsim-other.parquet", "figures/mine.png"])
+def test_a_file_of_the_users_in_results_of_the_first_versions_is_refused(tmp_path, kind, stray):
+    names, summary = FIRST_VERSIONS[kind]
+    first_version(tmp_path / "run", *names, stray, **summary)
+    with pytest.raises(InputError, match=stray.partition("/")[0]):
+        ResultFolder(tmp_path / "run").check()
+
+
+def test_a_mixture_of_two_jobs_of_the_first_versions_is_not_ours(tmp_path):
+    first_version(tmp_path / "run", "history.parquet", "comparison.md", axes={})
+    with pytest.raises(InputError, match=r"comparison\.md"):
+        ResultFolder(tmp_path / "run").check()
 
 
 def test_old_results_survive_a_flight_that_fails(tmp_path):
@@ -126,7 +225,12 @@ def test_a_link_in_the_folder_is_the_users(tmp_path):
         ResultFolder(tmp_path / "run").check()
 
 
-@pytest.mark.parametrize("text", [None, "{", "[]", '{"provenance": {}}', '{"provenance": "uavftc"}', '{"a": 1}'])
+NOT_OURS = [None, "{", "[]", '{"provenance": {}}', '{"provenance": "uavftc"}', '{"a": 1}']
+
+
+@pytest.mark.parametrize(
+    "text", [*NOT_OURS, "[" * 200_000, '{"a":' * 200_000, "\xff\x00"], ids=range(len(NOT_OURS) + 3)
+)
 def test_files_named_like_ours_without_our_summary_are_not_ours(tmp_path, text):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "scenario.yaml").write_text("name: written by hand")
@@ -135,6 +239,41 @@ def test_files_named_like_ours_without_our_summary_are_not_ours(tmp_path, text):
     with pytest.raises(InputError, match=r"no summary\.json of uavftc"):
         ResultFolder(tmp_path / "run").check()
     assert (tmp_path / "run" / "scenario.yaml").read_text() == "name: written by hand"
+
+
+def test_a_summary_of_great_length_is_not_ours(tmp_path, monkeypatch):
+    monkeypatch.setattr(manifest, "MAX_BYTES", 1_000)
+    (tmp_path / "run").mkdir()
+    write_json(tmp_path / "run" / "summary.json", OURS | {"text": "x" * 1_000})
+    with pytest.raises(InputError, match=r"no summary\.json of uavftc"):
+        ResultFolder(tmp_path / "run").check()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes")
+@pytest.mark.parametrize("name", ["summary.json", "history.parquet"])
+def test_a_pipe_is_the_users_and_nobody_waits_for_it(tmp_path, name):
+    fly(tmp_path / "run")
+    (tmp_path / "run" / name).unlink()
+    os.mkfifo(tmp_path / "run" / name)
+    with pytest.raises(InputError, match=name):
+        ResultFolder(tmp_path / "run").check()
+
+
+def test_a_summary_by_a_link_is_not_ours(tmp_path):
+    fly(tmp_path / "run")
+    (tmp_path / "run" / "summary.json").rename(tmp_path / "elsewhere.json")
+    (tmp_path / "run" / "summary.json").symlink_to(tmp_path / "elsewhere.json")
+    with pytest.raises(InputError, match=r"summary\.json"):
+        ResultFolder(tmp_path / "run").check()
+
+
+@pytest.mark.parametrize("files", [[], "all", 3, None, {"../thesis.tex": "0"}, {"scenario.yaml": None}])
+def test_a_list_of_files_that_is_none_makes_no_file_ours(tmp_path, files):
+    (tmp_path / "thesis.tex").write_text("years of work")
+    first_version(tmp_path / "run", "scenario.yaml", files=files)
+    with pytest.raises(InputError, match=r"scenario\.yaml"):
+        ResultFolder(tmp_path / "run").check()
+    assert (tmp_path / "thesis.tex").exists()
 
 
 @pytest.mark.parametrize("target", ["file", "file/run", "file/deep/run"])
@@ -269,7 +408,24 @@ def test_two_flights_of_one_process_into_one_folder_are_a_mistake(tmp_path):
     assert (tmp_path / "run" / "summary.json").exists()
 
 
-def test_a_kill_between_the_two_moves_is_mended_by_the_next_flight(tmp_path):
+def test_a_link_in_place_of_what_a_killed_flight_left_is_not_followed(tmp_path):
+    fly(tmp_path / "kept")
+    before = tree(tmp_path / "kept")
+    (tmp_path / f".run.partial-{dead_pid()}").symlink_to(tmp_path / "kept")
+    fly(tmp_path / "run")
+    assert tree(tmp_path / "kept") == before
+
+
+def test_what_a_killed_job_left_without_a_summary_is_removed(tmp_path):
+    stale = tmp_path / f".run.partial-{dead_pid()}"
+    (stale / "histories").mkdir(parents=True)
+    for name in ("history.parquet", "comparison.csv", "histories/analytic-mine.parquet"):
+        (stale / name).write_bytes(b"half")
+    fly(tmp_path / "run")
+    assert os.listdir(tmp_path) == ["run"]
+
+
+def test_a_kill_between_the_two_moves_is_put_right_by_the_next_flight(tmp_path):
     fill(tmp_path / f".run.old-{dead_pid()}", run=1)
     folder = ResultFolder(tmp_path / "run")
     folder.open()
@@ -314,17 +470,22 @@ def test_committing_twice_and_discarding_afterwards_change_nothing(tmp_path):
     assert (tmp_path / "run" / "history.parquet").exists()
 
 
-def test_our_own_unknown_file_is_caught_before_the_next_flight_would_refuse_it(tmp_path):
+def test_a_file_written_after_the_summary_is_caught_before_the_next_flight_would_refuse_it(tmp_path):
     def careless() -> None:
         with ResultFolder(tmp_path / "run") as folder:
             fill(folder.path)
             (folder.path / "new-feature.csv").write_text("x")
 
-    with pytest.raises(RuntimeError, match=r"new-feature\.csv is not in KNOWN_FILES"):
+    with pytest.raises(RuntimeError, match=r"its summary does not list new-feature\.csv"):
         careless()
     assert tree(tmp_path) == {}
 
 
-def test_the_published_files_are_known():
-    published = ["summary.json", "history.parquet", "scenario.yaml", "report.html"]
-    assert {*published, "figures/tracking.png", "figures/control.png", "figures/estimates.png"} <= KNOWN_FILES
+def test_a_folder_without_summary_is_caught(tmp_path):
+    def careless() -> None:
+        with ResultFolder(tmp_path / "run") as folder:
+            (folder.path / "history.parquet").write_text("x")
+
+    with pytest.raises(RuntimeError, match="no summary"):
+        careless()
+    assert tree(tmp_path) == {}

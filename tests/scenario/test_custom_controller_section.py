@@ -7,9 +7,9 @@ import math
 import pytest
 
 from uavftc.errors import InputError
-from uavftc.scenario.controllers import Controller, OwnController
+from uavftc.scenario.controllers import Controller, CustomController
 from uavftc.scenario.load import controller_name, load_scenario, scenario_text
-from uavftc.scenario.overrides import own_name
+from uavftc.scenario.overrides import custom_name
 
 MODULE = "def create(design, h, options):\n    return lambda t, x1_c, x1, x2: (0, 0, 0)\n"
 OPTIONS = """
@@ -27,9 +27,9 @@ controller:
 """
 
 
-def test_a_kind_makes_it_an_own_controller_and_its_absence_a_pair(load):
+def test_a_kind_makes_it_a_custom_controller_and_its_absence_a_pair(load):
     own = load("controller: {kind: pid, options: {rate_bandwidth: 2}, rate_hz: 100, delay_s: 0.01}").controller
-    assert own == OwnController(kind="pid", options={"rate_bandwidth": 2}, rate_hz=100.0, delay_s=0.01)
+    assert own == CustomController(kind="pid", options={"rate_bandwidth": 2}, rate_hz=100.0, delay_s=0.01)
     assert isinstance(load("controller: {rate_hz: 100}").controller, Controller)
     assert load("controller: {kind: pid}").controller.options == {}
     assert load("controller: {kind: pid, options: }").controller.options == {}
@@ -69,10 +69,10 @@ def test_a_module_is_looked_for_in_the_environment_and_here_and_not_run(load, tm
 
 def test_the_option_takes_the_place_of_the_whole_section_but_for_rate_and_delay(load):
     pair = "controller: {outer: {kind: ndi}, inner: {kind: mrac}, rate_hz: 100, delay_s: 0.01}"
-    assert load(pair, controller="pid").controller == OwnController(kind="pid", rate_hz=100.0, delay_s=0.01)
+    assert load(pair, controller="pid").controller == CustomController(kind="pid", rate_hz=100.0, delay_s=0.01)
     own = "controller: {kind: pid, options: {rate_bandwidth: 2}, rate_hz: 100}"
     assert load(own, controller="pid").controller.options == {"rate_bandwidth": 2}
-    assert load(own, controller="lqi").controller == OwnController(kind="lqi", rate_hz=100.0)
+    assert load(own, controller="lqi").controller == CustomController(kind="lqi", rate_hz=100.0)
     back = load(own, controller="ndi-l1")
     assert controller_name(back) == "ndi-l1"
     assert back.controller.rate_hz == 100.0
@@ -95,7 +95,7 @@ def test_the_option_takes_the_place_of_the_whole_section_but_for_rate_and_delay(
     ],
 )
 def test_the_short_name_is_fit_for_a_folder_and_nobody_elses(kind, name):
-    assert own_name(kind) == name
+    assert custom_name(kind) == name
 
 
 WRONG = [
@@ -116,7 +116,7 @@ WRONG = [
         "controller:\n  rate_hz: 100\n  options: {}",
         5,
         "controller.options",
-        ["unknown key", "own controller"],
+        ["unknown key", "custom controller"],
     ),
     ("controller: {kind: pid, options: 5}", 3, "controller.options", ["5", "section"]),
     ("controller: {kind: pid, options: {a: [.inf]}}", 3, "controller.options.a[0]", ["inf", "finite number"]),
@@ -143,4 +143,4 @@ def test_a_name_given_as_an_option_is_told_as_one(refused):
 
 def test_numbers_that_are_no_numbers_are_refused_in_code_too():
     with pytest.raises(ValueError, match="finite"):
-        OwnController(kind="pid", options={"a": {"b": math.nan}})
+        CustomController(kind="pid", options={"a": {"b": math.nan}})

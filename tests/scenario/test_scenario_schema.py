@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from uavftc.config.values import window_of
 from uavftc.scenario.checks import warnings
 from uavftc.scenario.schema import Scenario
 
@@ -63,7 +64,8 @@ def test_samples_and_substeps():
 
 def test_a_window_holds_its_start_and_not_its_end():
     fault = scenario(faults=[{"surface": "rudder", "start_s": 8, "end_s": 12}]).faults[0]
-    assert fault.active(np.array([7.995, 8.0, 11.995, 12.0])).tolist() == [False, True, True, False]
+    assert window_of(fault, np.array([7.995, 8.0, 11.995, 12.0])) == slice(1, 3)
+    assert window_of(fault, np.array([1.0, 2.0])) == slice(2, 2)  # before it
 
 
 REFUSED = [
@@ -71,6 +73,9 @@ REFUSED = [
     ("foo: 1", 3, "foo", ["unknown key 'foo'"]),
     ("duration: 3", 3, "duration", ["did you mean duration_s?"]),
     ("plant: x-plane", 3, "plant", ["'x-plane'", "jsbsim, analytic"]),
+    ("plant: null", 3, "plant", ["null", "jsbsim, analytic"]),
+    ("seed:", 3, "seed", ["null", "whole number"]),
+    ("aircraft: null", 3, "aircraft", ["null", "a text"]),
     ("seed: -1", 3, "seed", ["-1", "at least 0"]),
     ("seed: 1.5", 3, "seed", ["whole number"]),
     ("seed: true", 3, "seed", ["true", "whole number"]),
@@ -140,6 +145,7 @@ REFUSED = [
     ("faults: [5]", 3, "faults[0]", ["section"]),
     ("faults:\n  - {effectiveness: 0.5}", 4, "faults[0].surface", ["nothing"]),
     ("faults:\n  - {surface: ailron}", 4, "faults[0].surface", ["aileron, elevator, rudder", "did you mean aileron?"]),
+    ("faults: [{surface: rudder, kind: stuck}]", 3, "faults[0].kind", ["'stuck'", "write effectiveness"]),
     ("faults: [{surface: rudder, start_s: -1}]", 3, "faults[0].start_s", ["at least 0, s"]),
     ("faults: [{surface: rudder, start_s: 5, end_s: 5}]", 3, "faults[0].end_s", ["after start_s, 5 s"]),
     ("faults: [{surface: rudder, effectiveness: -1}]", 3, "faults[0].effectiveness", [">= 0"]),

@@ -1,4 +1,4 @@
-"""What the controller is shown."""
+"""What the controller is shown: the exact measurement, and the bias of a rate gyro on it."""
 
 from __future__ import annotations
 
@@ -6,11 +6,17 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from uavftc import sensors
+from uavftc.core.program import Program
 from uavftc.core.signals import ROW, as_records, empty_rows
-from uavftc.core.stage import Program, params_of
-from uavftc.sensors import gyro
+from uavftc.core.stage import params_of
+from uavftc.sensors import exact, gyro
 
 VECTOR = st.lists(st.floats(-10.0, 10.0), min_size=3, max_size=3).map(np.array)
+
+
+def measured(bias) -> Program:
+    return Program([exact.stage.block(), gyro.stage.block(params_of(gyro.PARAMS, bias=bias))])
 
 
 @settings(deadline=None)  # the first example compiles
@@ -20,13 +26,14 @@ def test_bias_is_added_to_the_measured_rates_and_to_nothing_else(x1, x2, bias):
     rows = empty_rows(1)
     row = as_records(rows)[0]
     row["x1"], row["x2"] = x1, x2
-    Program([gyro.stage.block(params_of(gyro.PARAMS, bias=bias))]).run(rows, 0, 1)
+    measured(bias).run(rows, 0, 1)
     np.testing.assert_array_equal(row["x1_meas"], x1)
     np.testing.assert_array_equal(row["x2_meas"], x2 + bias)
     np.testing.assert_array_equal(row["x1"], x1)
     np.testing.assert_array_equal(row["x2"], x2)
     others = [name for name in ROW.names if name not in ("x1", "x2", "x1_meas", "x2_meas")]
     assert all((row[name] == 0.0).all() for name in others)
+    assert not any(row["effectors"][name].any() for name in row["effectors"].dtype.names)
 
 
 def test_measurement_follows_the_vehicle_row_by_row():
@@ -34,5 +41,14 @@ def test_measurement_follows_the_vehicle_row_by_row():
     rows = empty_rows(50)
     records = as_records(rows)
     records["x2"] = np.random.default_rng(12).normal(size=(50, 3))
-    Program([gyro.stage.block(params_of(gyro.PARAMS, bias=[0.1, -0.2, 0.3]))]).run(rows, 0, 50)
+    measured([0.1, -0.2, 0.3]).run(rows, 0, 50)
     np.testing.assert_array_equal(records["x2_meas"], records["x2"] + [0.1, -0.2, 0.3])
+
+
+def test_every_flight_has_the_exact_measurement_first_and_a_bias_only_where_there_is_one():
+    # an error works on a measurement that is there; what does nothing costs nothing
+    assert sensors.CHAIN[0] is exact
+    assert [block.name for block in exact.blocks(None, None)] == ["exact"]
+    assert gyro.blocks(gyro.Config(), None) == []
+    (block,) = gyro.blocks(gyro.Config(gyro_bias_degps=(0.0, -3.0, 0.0)), None)
+    np.testing.assert_allclose(block.params["bias"], [[0.0, -np.pi / 60.0, 0.0]], rtol=1e-15)

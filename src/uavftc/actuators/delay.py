@@ -1,48 +1,65 @@
-"""Delay between command and surface: whole samples and a part of one.
+"""Delay of the loop: between command and surface, any length.
 
-A delay of (n + f) samples, 0 <= f < 1, means that over the sample [t_k, t_k+1) the surface first still follows the
-command of sample k - n - 1, and from t_k + f h on that of sample k - n. Both go into the row: `u2` and `u2_late`.
-Before the first sample the command is zero (trim). This stage is the first of the chain on a surface; the ones after
-it work on both values.
+A delay of d plant steps and a part f of one, 0 <= f < 1: over a plant step the effector follows the command of d steps
+ago, and for the part f of it still the one before that; the effector gets the mean of the two over the step,
+
+    deflection = f command[d + 1] + (1 - f) command[d].
+
+Before the first sample the command is zero (trim). Where `simulation.substeps` is left open, the plant's step is chosen
+such that the delay is a whole number of them (`flight/timing.py`), and f = 0.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from uavftc.core.stage import RAW, Stage, carray, law
+from uavftc.config.values import Model, NonNegative
+from uavftc.core.given import Given
+from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
+
+KEYS_IN = "controller"
 
 PARAMS = np.dtype(
     [
-        ("whole", "i8"),  # n, samples
-        ("partial", "f8"),  # f, of a sample
+        ("whole", "i8"),  # d, plant steps
+        ("part", "f8"),  # f, of a plant step
     ]
 )
-STATE = RAW  # (n + 3, 3): the slot of the next command in [0, 0], then the line of n + 2 commands, rad
+STATE = RAW  # the place of the next command in [0], then the line of the last d + 2 commands, rad
+
+
+class Config(Model):
+    """Pure delay between command and surface."""
+
+    delay_s: NonNegative = 0.0
+    """pure delay between command and surface, >= 0"""
 
 
 @law
-def step(p, line, row):
-    """Push v2 into the line and write the delayed commands, rad, into u2 and u2_late."""
+def step(p, s, e, row):
+    """Push the deflection into the line, and give the effector the one of the delay ago."""
     length = p.whole + 2
-    newest = int(line[0, 0])
-    current = (newest - p.whole + length) % length
-    before = (newest - p.whole - 1 + length) % length
-    for i in range(3):
-        line[1 + newest, i] = row.v2[i]
-    for i in range(3):
-        row.u2_late[i] = line[1 + current, i]
-        row.u2[i] = line[1 + before, i] if p.partial > 0.0 else line[1 + current, i]
-    line[0, 0] = (newest + 1) % length
+    line = floats(s, length + 1)
+    newest = int(line[0])
+    line[1 + newest] = e.deflection
+    current = line[1 + (newest - p.whole + length) % length]
+    before = line[1 + (newest - p.whole - 1 + length) % length]
+    e.deflection = p.part * before + (1.0 - p.part) * current if p.part > 0.0 else current
+    line[0] = (newest + 1) % length
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    params = carray(p, 1)[0]
-    step(params, carray(s, (params.whole + 3, 3)), carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["deflection"], writes=["deflection"])
 
 
-def memory(whole: int) -> np.ndarray:
-    """Return the zeroed line of a delay of `whole` samples and a part, shape ((whole + 3) * 3,), rad."""
-    return np.zeros((whole + 3) * 3)
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the line of each effector; none without a delay."""
+    if config.delay_s <= 0.0:
+        return []
+    # longer than the flight is as good as the flight's length, and keeps the line in memory small
+    delay = min(config.delay_s, (given.steps + 1) * given.h) / given.plant_step
+    whole = math.floor(delay + 1e-9)
+    part = delay - whole if delay - whole > 1e-9 else 0.0
+    n = len(given.effectors)
+    return [stage.block(records_of(PARAMS, n, whole=[whole] * n, part=[part] * n), np.zeros((n, whole + 3)))]

@@ -7,21 +7,65 @@ effectiveness; (3) omega = 1, v_2a != 0, additive fault; (4) both.
 
 from __future__ import annotations
 
-from uavftc.core.stage import NOTHING, Stage, carray, law
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from uavftc.config.values import ZERO, AtLeast, Signal, Window
+from uavftc.core.given import Given
+from uavftc.core.signals import SURFACES
+from uavftc.core.stage import NOTHING, Block, Stage, law
+
+ENTRY_OF = "faults"
 
 PARAMS = NOTHING
 STATE = NOTHING
 
+Effectiveness = Annotated[Signal, AtLeast(0.0, "an effectiveness >= 0", "0 is a surface without effect")]
+
+
+class Config(Window):
+    """A surface at `effectiveness` times its limited command, plus `bias_deg`, on [start_s, end_s)."""
+
+    kind: Annotated[Literal["effectiveness"], Field(exclude=True)] = "effectiveness"
+    """`effectiveness`, where it is left out"""
+    surface: Literal["aileron", "elevator", "rudder"]
+    """`aileron`, `elevator` or `rudder`"""
+    effectiveness: Effectiveness = Signal(1.0)
+    """signal, finite and >= 0 at every sample of the window; over 1 is flown as written, with a warning"""
+    bias_deg: Signal = ZERO
+    """signal, added to the deflection, outside the limits"""
+
 
 @law
-def step(p, s, row):
-    """Apply eq. (6) to u2 and u2_late in place."""
-    for i in range(3):
-        row.u2[i] = row.effectiveness[i] * row.u2[i] + row.bias[i]
-        row.u2_late[i] = row.effectiveness[i] * row.u2_late[i] + row.bias[i]
+def step(p, s, e, row):
+    """Apply eq. (6) in place."""
+    e.deflection = e.effectiveness * e.deflection + e.bias
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["deflection", "effectiveness", "bias"], writes=["deflection"])
+
+
+def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
+    """Return eq. (6) on each effector; none without such a fault."""
+    return [stage.block(np.zeros(len(given.effectors), PARAMS))] if config else []
+
+
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+    """Write omega and v_2a of the surface at the times t, s, of the window."""
+    omega, bias = entry.effectiveness.sample(t), np.radians(entry.bias_deg.sample(t))
+    i = SURFACES.index(entry.surface)
+    records["effectiveness"][:, i], records["bias"][:, i] = omega, bias
+    for j, effector in enumerate(effectors):
+        if effector == entry.surface:
+            records["effectors"]["effectiveness"][:, j], records["effectors"]["bias"][:, j] = omega, bias
+
+
+def warnings(entry: Config, t: np.ndarray, window: str) -> list[tuple[str, str]]:
+    """Return (key, line) where omega is over 1; t holds the times of the window inside the flight, s."""
+    peak = float(entry.effectiveness.sample(t).max()) if t.size else 0.0
+    if peak <= 1.0:
+        return []
+    line = f"over 1 the {entry.surface} does more than it is told, flown as written"
+    return [("effectiveness", f"{entry.effectiveness.text} reaches {peak:.3g} on {window}; {line}")]

@@ -1,16 +1,61 @@
-"""Input saturation, eq. (20): each surface limited to its own [u_min, u_max] about trim.
+"""Input saturation, eq. (20): each effector limited to [u_min, u_max] about trim.
 
-The same stage serves for the mechanical stops, which come last in the chain.
+sat(v) = u_min  for v < u_min,    v  between,    u_max  for v > u_max
 """
 
 from __future__ import annotations
 
+import math
+from typing import Annotated, Any
+
 import numpy as np
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
 
-from uavftc.core.stage import NOTHING, Stage, carray, law
+from uavftc.config.values import Model, Number
+from uavftc.core.given import Given
+from uavftc.core.signals import SURFACES
+from uavftc.core.stage import NOTHING, Block, Stage, law, records_of
 
-PARAMS = np.dtype([("u_min", "f8", (3,)), ("u_max", "f8", (3,))])  # rad; +-inf for no limit
+SECTION = "saturation"
+
+PARAMS = np.dtype([("u_min", "f8"), ("u_max", "f8")])  # rad; +-inf for no limit
 STATE = NOTHING
+
+
+class Limits(Model):
+    """Limits of a commanded deflection about trim, rad."""
+
+    min_rad: Annotated[Number, Field(le=0)]
+    """least deflection about trim, <= 0"""
+    max_rad: Number
+    """greatest deflection about trim, >= 0 and above `min_rad`"""
+
+    @field_validator("max_rad")
+    @classmethod
+    def _ordered(cls, max_rad: float, info: ValidationInfo) -> float:
+        if max_rad < 0 or max_rad <= info.data.get("min_rad", -math.inf):
+            raise PydanticCustomError("limits", "min <= 0 <= max and min < max")
+        return max_rad
+
+
+class SurfaceLimits(Model):
+    """Limits of each surface; null is unlimited."""
+
+    aileron: Limits | None = None
+    elevator: Limits | None = None
+    rudder: Limits | None = None
+
+
+def _limits_or_surfaces(value: Any) -> str:
+    per_surface = isinstance(value, SurfaceLimits) or (isinstance(value, dict) and any(s in value for s in SURFACES))
+    return "SurfaceLimits" if per_surface else "Limits"
+
+
+Config = Annotated[
+    Annotated[Limits, Tag("Limits")] | Annotated[SurfaceLimits, Tag("SurfaceLimits")],
+    Discriminator(_limits_or_surfaces),
+]
 
 
 @law
@@ -20,14 +65,27 @@ def sat(v, u_min, u_max):
 
 
 @law
-def step(p, s, row):
-    """Limit the deflections u2 and u2_late in place."""
-    for i in range(3):
-        row.u2[i] = sat(row.u2[i], p.u_min[i], p.u_max[i])
-        row.u2_late[i] = sat(row.u2_late[i], p.u_min[i], p.u_max[i])
+def step(p, s, e, row):
+    """Limit the deflection in place."""
+    e.deflection = sat(e.deflection, p.u_min, p.u_max)
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["deflection"], writes=["deflection"])
+
+
+def limits_rad(config: Limits | SurfaceLimits | None, effectors: tuple[str, ...] = SURFACES) -> np.ndarray:
+    """Return the limits about trim, rad, shape (n, 2): [min, max] of each effector; inf is none."""
+    table = np.array([[-np.inf, np.inf]] * len(effectors))
+    for i, effector in enumerate(effectors):
+        limits = getattr(config, effector, None) if isinstance(config, SurfaceLimits) else config
+        if limits is not None:
+            table[i] = limits.min_rad, limits.max_rad
+    return table
+
+
+def blocks(config: Limits | SurfaceLimits | None, given: Given) -> list[Block]:
+    """Return the limits of each effector; none where nothing is limited."""
+    if config is None:
+        return []
+    low, high = limits_rad(config, given.effectors).T
+    return [stage.block(records_of(PARAMS, len(given.effectors), u_min=low, u_max=high))]

@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from uavftc.core.signals import AXES, SURFACES
+
 RESPONSE_MIN = 1e-3  # rad/s^2 at full deflection: below this a surface does not respond
 NONLINEAR_MAX = 0.3  # relative difference of the response between two small steps
 COUPLING_MAX = 100.0  # condition number of B with each surface scaled to its own axis
@@ -69,10 +71,8 @@ def obstacles(B: np.ndarray, limits: np.ndarray, nonlinearity: np.ndarray, ratio
     B: rotational control matrix (3, 3), 1/s^2 per rad; limits (3, 2), rad; nonlinearity, ratio: (3,).
     """
     found = []
-    names = ("aileron", "elevator", "rudder")
-    axes = ("roll", "pitch", "yaw")
     reach = np.max(np.abs(limits), axis=1)
-    for j, name in enumerate(names):
+    for j, name in enumerate(SURFACES):
         response = abs(B[j, j]) * reach[j]
         if not response > RESPONSE_MIN:
             found.append(f"no small-signal {name} response: {response:.2g} rad/s^2 at full deflection")
@@ -88,7 +88,7 @@ def obstacles(B: np.ndarray, limits: np.ndarray, nonlinearity: np.ndarray, ratio
         found.append(f"B is ill-conditioned: condition number {coupling:.0f}, surfaces scaled to their own axes")
     elif ratio is not None:
         found += [
-            f"too little {names[j]} for the reference: {axes[j]} has {ratio[j]:.2f} times the deflection it needs"
+            f"too little {SURFACES[j]} for the reference: {AXES[j]} has {ratio[j]:.2f} times the deflection it needs"
             for j in range(3)
             if not ratio[j] >= RATIO_MIN
         ]

@@ -1,4 +1,4 @@
-"""The paper's six metrics of section 4, and control activity.
+"""The metrics of a flight, one entry each in the table `METRICS`: the paper's six of section 4, and control activity.
 
     IAE = int |e| dt    ISE = int e^2 dt    ITAE = int t |e| dt    ITSE = int t e^2 dt        (rad, s)
 
@@ -6,11 +6,17 @@ e is the attitude error x1_c - x1; the integrals are trapezoidal over the rows. 
 last row; the convergence time is that of the first row after the last one with |e| > 0.02 deg (the paper's band; its
 unit is the one in which its own figures fit). Control activity is the total variation of the commanded deflection
 v2, before saturation: it separates controllers that track alike but work the surfaces differently.
+
+Summary, terminal, comparison and CSV list what `METRICS` holds, in its order: a new metric is one more entry.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,63 +24,194 @@ from uavftc.core.signals import AXES, attitude_error
 
 CONVERGENCE_BAND_DEG = 0.02  # section 4: "tracking errors [...] kept within 0.02"
 INTEGRALS = ("iae", "ise", "itae", "itse")
+"""Names of the paper's integral metrics, which its tables compare; other metrics may be integrals too."""
+
+
+class Piece(NamedTuple):
+    """The next rows of a flight as a metric sees them, the last row of the piece before in front of them."""
+
+    t: np.ndarray
+    """Time, s, shape (n,)."""
+    error: np.ndarray
+    """|x1_c - x1|, rad, shape (n, 3)."""
+    command: np.ndarray
+    """v2, rad, shape (n, 3): aileron, elevator, rudder."""
+
+
+class Measure(Protocol):
+    """What a metric keeps of a flight while it goes by; its size does not grow with the flight."""
+
+    def take(self, piece: Piece) -> None:
+        """Add the next rows."""
+
+    def values(self) -> Sequence[float | None]:
+        """Return the value for roll, pitch and yaw so far; None, or what is not finite, where there is none."""
+
+
+class Integral:
+    """The integral over time of f(t, |e|), by the trapezoidal rule.
+
+    Parameters
+    ----------
+    f
+        Given t, s, shape (n, 1), and |e|, rad, shape (n, 3), returns shape (n, 3).
+    """
+
+    def __init__(self, f: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
+        self._f = f
+        self._sum = np.zeros(3)
+
+    def take(self, piece: Piece) -> None:
+        """Add the trapezoids between the rows."""
+        t = piece.t[:, None]
+        f = self._f(t, piece.error)
+        self._sum += (0.5 * (f[1:] + f[:-1]) * np.diff(t, axis=0)).sum(axis=0)
+
+    def values(self) -> Sequence[float | None]:
+        """Return the integrals, in the unit of f times s."""
+        return self._sum.tolist()
+
+
+class LastError:
+    """|e| in the last row, deg."""
+
+    def __init__(self) -> None:
+        self._last = np.full(3, math.nan)
+
+    def take(self, piece: Piece) -> None:
+        """Keep the last row."""
+        self._last = np.degrees(piece.error[-1])
+
+    def values(self) -> Sequence[float | None]:
+        """Return |e|, deg."""
+        return self._last.tolist()
+
+
+class ConvergenceTime:
+    """The time of the first row after the last one outside the band, s; None while outside, 0 if never outside."""
+
+    def __init__(self) -> None:
+        self._at: list[float | None] = [0.0, 0.0, 0.0]
+
+    def take(self, piece: Piece) -> None:
+        """Look for the last row outside."""
+        outside = np.degrees(piece.error) > CONVERGENCE_BAND_DEG
+        for axis in range(3):
+            where = np.flatnonzero(outside[:, axis])
+            if len(where):
+                after = where[-1] + 1
+                self._at[axis] = float(piece.t[after]) if after < len(piece.t) else None
+
+    def values(self) -> Sequence[float | None]:
+        """Return the times, s."""
+        return list(self._at)
+
+
+class TotalVariation:
+    """The sum of |change| of the commanded deflection of each axis' surface, rad."""
+
+    def __init__(self) -> None:
+        self._sum = np.zeros(3)
+
+    def take(self, piece: Piece) -> None:
+        """Add the changes between the rows."""
+        self._sum += np.abs(np.diff(piece.command, axis=0)).sum(axis=0)
+
+    def values(self) -> Sequence[float | None]:
+        """Return the sums, rad."""
+        return self._sum.tolist()
+
+
+@dataclass(frozen=True)
+class Metric:
+    """One metric: what it is called, how it is computed, and how its value is shown."""
+
+    name: str
+    """Its key in `summary.json`."""
+    label: str
+    unit: str
+    """In ASCII, as `rad s^2`."""
+    measure: Callable[[], Measure]
+    """Makes what computes it, anew for each flight."""
+    digits: int = 4
+    """Decimals shown."""
+    at_end: bool = False
+    """Whether it tells what was reached at the end, so that a lost flight has none."""
+    missing: str = "-"
+    """Shown where a flight that was not lost has no value."""
+    good: float | None = None
+    """Values up to it are shown in green, above it in yellow or red; None: without colour."""
+    poor: float = math.inf
+    """Values above it are shown in red."""
+
+    @property
+    def title(self) -> str:
+        """Label and unit."""
+        return f"{self.label} [{self.unit}]"
+
+
+METRICS: tuple[Metric, ...] = (
+    Metric(
+        "steady_state_error_deg",
+        "steady-state error",
+        "deg",
+        LastError,
+        at_end=True,
+        good=CONVERGENCE_BAND_DEG,
+        poor=10.0 * CONVERGENCE_BAND_DEG,
+    ),
+    Metric(
+        "convergence_time_s",
+        "convergence time",
+        "s",
+        ConvergenceTime,
+        digits=2,
+        at_end=True,
+        missing="not within\nthe flight",
+        good=math.inf,
+    ),
+    Metric("iae", "IAE", "rad s", partial(Integral, lambda t, e: e)),
+    Metric("ise", "ISE", "rad^2 s", partial(Integral, lambda t, e: e * e)),
+    Metric("itae", "ITAE", "rad s^2", partial(Integral, lambda t, e: t * e)),
+    Metric("itse", "ITSE", "rad^2 s^2", partial(Integral, lambda t, e: t * e * e)),
+    Metric("control_activity_rad", "control activity", "rad", TotalVariation),
+)
+"""Every metric, in the order in which they are written and shown."""
 
 
 class Metrics:
-    """Metrics of a flight, from chunks of its rows in order; memory does not grow with the flight."""
+    """Every metric of a flight, from chunks of its rows in order; memory does not grow with the flight."""
 
     def __init__(self) -> None:
         self._rows = 0
         self._last: np.ndarray | None = None
-        self._integrals = np.zeros((4, 3))
-        self._activity = np.zeros(3)
-        self._converged_at: list[float | None] = [0.0, 0.0, 0.0]
+        self._measures = [(metric, metric.measure()) for metric in METRICS]
 
     def take(self, records: np.ndarray) -> None:
         """Add the next rows: structured array of dtype `signals.ROW`, shape (n,)."""
         if not len(records):
             return
         self._rows += len(records)
-        self._converge(records)
         if self._last is not None:
             records = np.concatenate([self._last, records])
-        t = records["t"][:, None]
-        e = np.abs(attitude_error(records))
-        dt = np.diff(t, axis=0)
-        for i, f in enumerate((e, e * e, t * e, t * e * e)):
-            self._integrals[i] += (0.5 * (f[1:] + f[:-1]) * dt).sum(axis=0)
-        self._activity += np.abs(np.diff(records["v2"], axis=0)).sum(axis=0)
+        piece = Piece(records["t"], np.abs(attitude_error(records)), records["v2"])
+        for _, measure in self._measures:
+            measure.take(piece)
         self._last = records[-1:].copy()
-
-    def _converge(self, records: np.ndarray) -> None:
-        outside = np.degrees(np.abs(attitude_error(records))) > CONVERGENCE_BAND_DEG
-        t = records["t"]
-        for axis in range(3):
-            if self._converged_at[axis] is None and not outside[0, axis]:
-                self._converged_at[axis] = float(t[0])
-            where = np.flatnonzero(outside[:, axis])
-            if len(where):
-                after = where[-1] + 1
-                self._converged_at[axis] = float(t[after]) if after < len(t) else None
 
     def axes(self, *, completed: bool = True) -> dict[str, dict[str, float | None]]:
         """Return the metrics of each axis, keyed as in `summary.json`.
 
-        Of a flight that was lost (`completed` false) the steady-state error and the convergence time are None.
-        What has no finite value is None.
+        Of a flight that was lost (`completed` false), what tells of the end (steady-state error, convergence time) is
+        None. What has no finite value is None.
         """
-        last = self._last
-        error = np.full(3, math.nan) if last is None else np.degrees(np.abs(attitude_error(last)))[0]
         flown = completed or self._rows > 1  # of a flight lost where it began there is nothing to measure
-        result: dict[str, dict[str, float | None]] = {}
-        for i, axis in enumerate(AXES):
-            values: dict[str, float | None] = {
-                "steady_state_error_deg": float(error[i]) if completed else None,
-                "convergence_time_s": self._converged_at[i] if completed else None,
-            }
-            values |= {name: float(self._integrals[k, i]) if flown else None for k, name in enumerate(INTEGRALS)}
-            values["control_activity_rad"] = float(self._activity[i]) if flown else None
-            result[axis] = {k: v if v is None or math.isfinite(v) else None for k, v in values.items()}
+        result: dict[str, dict[str, float | None]] = {axis: {} for axis in AXES}
+        for metric, measure in self._measures:
+            applies = completed if metric.at_end else flown
+            for axis, value in zip(AXES, measure.values(), strict=True):
+                known = applies and value is not None and math.isfinite(value)
+                result[axis][metric.name] = value if known else None
         return result
 
 

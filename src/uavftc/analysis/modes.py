@@ -1,7 +1,7 @@
 """The natural modes of an aircraft, named: phugoid and short period, dutch roll, roll and spiral.
 
-The longitudinal block runs over [u, alpha, q, theta] and the lateral one over [beta, p, r, phi] (w and v in place of
-alpha and beta will do). A mode is named by where it lives: the participation of state k in eigenvalue i is
+The longitudinal block runs over [V, alpha, q, theta] and the lateral one over [beta, p, r, phi] (u, w and v in
+place of V, alpha and beta will do). A mode is named by where it lives: the participation of state k in eigenvalue i is
 |v_ki w_ki| of the right and left eigenvectors, which does not depend on the units of the states. The two eigenvalues
 that live most in alpha and q are the short period, those that live most in beta and r the dutch roll.
 """
@@ -14,6 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 REAL = 1e-9  # relative: an imaginary part below this is rounding
+STATES = ("V", "alpha", "q", "theta", "beta", "p", "r", "phi")
+"""States of the full linear model of an aircraft: true airspeed, m/s; angles, rad; body rates, rad/s."""
 
 
 class Mode(NamedTuple):
@@ -42,12 +44,12 @@ class Mode(NamedTuple):
 
 
 def modes(A: np.ndarray) -> list[Mode]:
-    """Return the modes of a model over [u, alpha, q, theta, beta, p, r, phi], shape (8, 8), the fastest first."""
+    """Return the modes of a model over `STATES`, shape (8, 8), the fastest first."""
     return [*longitudinal(A[:4, :4]), *lateral(A[4:, 4:])]
 
 
 def longitudinal(A: np.ndarray) -> list[Mode]:
-    """Return short period and phugoid of a block over [u, alpha, q, theta], shape (4, 4)."""
+    """Return short period and phugoid of a block over [V, alpha, q, theta], shape (4, 4)."""
     values, share = participation(A)
     fast, slow = _halves(values, share[[1, 2]].sum(axis=0))
     found = []

@@ -22,7 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import expm
 
-from uavftc.core.stage import Block, Program
+from uavftc.core.program import Program
+from uavftc.core.stage import Block
 
 JUMP = 6.0  # a change from sample to sample this many times larger than around it is a discontinuity
 _AROUND = 5  # samples on either side that count as around
@@ -43,7 +44,7 @@ def replay(block: Block, records: np.ndarray) -> Replay:
     Parameters
     ----------
     block
-        The law of `build.inner_blocks`, with the parameters of the flight and an unused state.
+        The inner law, with the parameters of the flight and an unused state.
     records
         Rows of the flight from the start, shape (n,), dtype `signals.ROW`; they are not changed.
 
@@ -96,7 +97,7 @@ def lumped_disturbance(
     A_m, B_m
         The design's.
     """
-    x2, u2 = records["x2"], records["u2_late"]
+    x2, u2 = records["x2"], records["u2"]
     gyroscopic = -np.linalg.solve(inertia, np.cross(x2, x2 @ inertia.T).T).T
     inverse = np.linalg.inv(B_m).T
     smooth = (gyroscopic + x2 @ (A_l - A_m).T) @ inverse
@@ -190,7 +191,7 @@ def assumptions_not_met(records: np.ndarray, limits: np.ndarray) -> list[str]:
     if not np.array_equal(records["x2_meas"], records["x2"]):
         found.append("the measured rates are not the true ones")
     expected = np.clip(records["v2"], limits[:, 0], limits[:, 1]) * omega + records["bias"]
-    if np.max(np.abs(records["u2_late"] - expected)) > 1e-9 or not np.array_equal(records["u2"], records["u2_late"]):
+    if np.max(np.abs(records["u2"] - expected)) > 1e-9:
         found.append("the surfaces do not follow the command at once (delay, or a mechanical stop)")
     return found
 

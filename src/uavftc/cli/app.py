@@ -16,6 +16,9 @@ from uavftc.cli.outcome import exit_codes
 from uavftc.cli.process import run
 from uavftc.cli.reproduce import reproduce
 
+COMMANDS = (fly, design, aircraft, reproduce, compare, bench)
+"""The commands of `uavftc`, in the order in which its help lists them."""
+
 _SETTINGS: dict[str, Any] = {
     "add_completion": False,
     "pretty_exceptions_enable": False,
@@ -24,19 +27,15 @@ _SETTINGS: dict[str, Any] = {
 }
 
 umbrella = typer.Typer(name="uavftc", no_args_is_help=True, **_SETTINGS)
-umbrella.command("fly")(exit_codes(fly))
-umbrella.command("design")(exit_codes(design))
-umbrella.command("aircraft")(exit_codes(aircraft))
-umbrella.command("reproduce")(exit_codes(reproduce))
-umbrella.command("compare")(exit_codes(compare))
-umbrella.command("bench")(exit_codes(bench))
+for _command in COMMANDS:
+    umbrella.command(_command.__name__)(exit_codes(_command))
 
 single = typer.Typer(name="uavftc-fly", **_SETTINGS)
 single.command()(exit_codes(fly))
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(asked: bool) -> None:
+    if asked:
         print(f"uavftc {__version__}")
         raise typer.Exit
 

@@ -1,4 +1,4 @@
-"""`uavftc bench`: how fast this is, each figure beside what it is built on."""
+"""`uavftc bench`: how fast this is, each figure next to what it is built on."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def bench(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress.")] = False,
 ) -> None:
-    """Measure the closed loop beside bare JSBSim, its parts, processes, growth and peers (some minutes).
+    """Measure the closed loop next to bare JSBSim, its parts, processes, growth and peers (some minutes).
 
     Medians and spread of several rounds; what is a ratio was measured alternately. docs/performance.md says what each
     figure is. For figures worth keeping the machine must do nothing else.

@@ -108,11 +108,11 @@ def design(
 def _check(name: str, value: float | None) -> None:
     if value is None or (math.isfinite(value) and value >= 0.0 and (value > 0.0 or name not in _POSITIVE)):
         return
-    wanted, bound = "above 0" if name in _POSITIVE else "0 or above", not name.endswith(("_mps", "_m"))
+    expected, bound = "above 0" if name in _POSITIVE else "0 or above", not name.endswith(("_mps", "_m"))
     raise InputError(
         f"--{name.replace('_', '-')} {value:g}",
         found=f"{value:g}",
-        expected=f"a finite number, {wanted}",
+        expected=f"a finite number, {expected}",
         remedy="leave the option out where the bound is not known: what depends on it is then null"
         if bound
         else "leave the option out for the aircraft's own condition",

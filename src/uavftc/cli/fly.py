@@ -27,7 +27,9 @@ def fly(
     ] = None,
     controller: Annotated[
         Optional[str],  # noqa: UP045
-        typer.Option(help="nndondi-l1, ndi-l1, nndondi-mrac, ndi-mrac; pid, lqi; or your own: ./file.py, pkg.module."),
+        typer.Option(
+            help="nndondi-l1, ndi-l1, nndondi-mrac, ndi-mrac; pid, lqi; or a custom one: ./file.py, pkg.module."
+        ),
     ] = None,
     overrides: Annotated[
         Optional[list[str]],  # noqa: UP045

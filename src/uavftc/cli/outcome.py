@@ -1,4 +1,4 @@
-"""What a command's outcome is for the shell: the exit codes, and errors told without a traceback."""
+"""What a command's outcome is for the shell: the exit codes, and errors shown without a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`uavftc reproduce`: section 4 of the paper again, each number beside the printed one."""
+"""`uavftc reproduce`: section 4 of the paper again, each number next to the printed one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def reproduce(
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Fly the paper's scenarios with all its controllers and write Tables 2 to 6 and Figures 2 to 11 beside the print.
+    """Fly the paper's scenarios with all its controllers and write Tables 2 to 6 and Figures 2 to 11 next to the print.
 
     Writes reproduction.md (the page to read), reproduce.json, tables.csv, improvements.csv, summary.json and figures.
     """

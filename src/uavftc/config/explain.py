@@ -12,8 +12,6 @@ from uavftc.config.document import Document, Key
 from uavftc.config.expression import KNOWN
 from uavftc.config.values import Problem, key_text
 from uavftc.errors import InputError
-from uavftc.scenario.controllers import Controller, OwnController
-from uavftc.scenario.schema import Scenario
 
 MAX_TOLD = 20  # errors told at once
 _UNITS = {
@@ -33,23 +31,22 @@ _LIMITS = {
     "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
 }
-_INSTEAD_OF_TURBULENCE = 'use kind: gust, or kind: wind with an expression of t such as "2*sin(3*t) + sin(7*t)"'
 
 
-def explain(error: ValidationError, document: Document, root: type[BaseModel] = Scenario) -> list[InputError]:
+def explain(error: ValidationError, document: Document, root: type[BaseModel]) -> list[InputError]:
     """Return the errors of a file in the order of its schema `root`, each with the place of its key in `document`."""
     told: list[InputError] = []
     items = error.errors(include_url=False)
     for item in items[:MAX_TOLD]:
         key, model = _locate(item["loc"], root)
         problems = item.get("ctx", {}).get("problems")
-        for problem in problems or [_problem(item, key, model)]:
+        for problem in problems or [_problem(item, key, model, root)]:
             full = (*key, *problem.key) if problems else problem.key
             where = f"{document.place(full)}, key {key_text(full)}" if full else document.place(full)
             told.append(InputError(where, found=problem.found, expected=problem.expected, remedy=problem.remedy))
     if len(items) > MAX_TOLD:
         more = f"{len(items) - MAX_TOLD} more errors"
-        told.append(InputError(document.file, found=more, expected="none", remedy="mend those above first"))
+        told.append(InputError(document.file, found=more, expected="none", remedy="fix those above first"))
     return told
 
 
@@ -80,18 +77,18 @@ def _sections(annotation: Any) -> dict[str, type[BaseModel]]:
     return {name: model for part in typing.get_args(annotation) for name, model in _sections(part).items()}
 
 
-def _problem(item: Any, key: Key, model: type[BaseModel]) -> Problem:
+def _problem(item: Any, key: Key, model: type[BaseModel], root: type[BaseModel]) -> Problem:
     kind, value, ctx = item["type"], item["input"], item.get("ctx", {})
     name = str(key[-1]) if key else ""
     found = describe(value)
     unit = _unit(key)
     match kind:
         case "extra_forbidden":
-            return _unknown(key, model)
+            return _unknown(key, model, root)
         case "missing":
             return Problem(key, "nothing", f"the key {name}{unit}", f"add {name}")
         case "literal_error" | "union_tag_invalid" | "union_tag_not_found":
-            return _choice(item, key, value)
+            return _choice(item, key, value, model)
         case "signal":
             return _signal(key, value, ctx["problem"], unit)
         case "float_type" | "finite_number":
@@ -119,63 +116,61 @@ def _problem(item: Any, key: Key, model: type[BaseModel]) -> Problem:
         case "string_too_long" | "string_too_short":
             wanted = f"at most {ctx['max_length']}" if "max_length" in ctx else f"at least {ctx['min_length']}"
             return Problem(key, f"{len(value)} characters", f"{wanted} characters", "choose another text")
-        case "turbulence":
-            expected = f"one of {', '.join(_disturbances())}"
-            return Problem((*key, "kind"), f"turbulence: {item['msg']}", expected, _INSTEAD_OF_TURBULENCE)
         case "window":
             return Problem(key, f"{value} s", item["msg"], "move end_s, or leave it out for the rest of the flight")
     return Problem(key, found, item["msg"], "change the value")
 
 
 def _unit(key: Key) -> str:
-    """Return the unit a key's suffix names, for the end of a phrase; the m of A_m is none."""
-    name = next((part for part in reversed(key) if isinstance(part, str)), "")
+    """Return the unit a key's suffix names, for the end of a phrase."""
+    unit = unit_of(next((part for part in reversed(key) if isinstance(part, str)), ""))
+    return f", {unit}" if unit else ""
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that a key's suffix names, or nothing; the m of A_m is none."""
     known = (text for suffix, text in _UNITS.items() if name.endswith(f"_{suffix}") and name.islower())
-    return next((f", {text}" for text in known), "")
+    return next(known, "")
 
 
-def _unknown(key: Key, model: type[BaseModel]) -> Problem:
+def _unknown(key: Key, model: type[BaseModel], root: type[BaseModel]) -> Problem:
     name, known = str(key[-1]), sorted(model.model_fields, key=lambda field: field != "kind")
     near = difflib.get_close_matches(name, known, n=1)
     remedy = f"did you mean {near[0]}?" if near else "remove it"
-    siblings = [k for k, other in _siblings(model).items() if name in other.model_fields]
+    siblings = [k for k, other in _siblings(model, root).items() if name in other.model_fields]
     if siblings:
         remedy = f"remove it: it belongs to kind {' and '.join(siblings)}"
-    if model is OwnController and name in Controller.model_fields:
-        remedy = "remove it: a controller with a kind takes the place of both loops (as --controller does)"
-    if model is Controller and name == "options":
-        remedy = "remove it, or name the module of your own controller with kind (docs/custom-controller.md)"
-    if model.__name__ == "Gust" and name == "end_s":
-        remedy = "remove it: a gust ends by itself, at start_s + 2*ramp_s + hold_s"
+    remedy = getattr(model, "remedies", {}).get(name, remedy)
     return Problem(key, f"the unknown key {describe(name)}", f"one of {', '.join(known)}", remedy)
 
 
-def _siblings(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
-    """Return the sections that can stand in the place of `model`, by their kind."""
-    unions = [Scenario.model_fields["disturbances"].annotation]
-    unions += [_field.annotation for _field in Controller.model_fields.values()]
-    for union in unions:
-        sections = _sections(union)
-        if model in sections.values():
+def _siblings(model: type[BaseModel], root: type[BaseModel]) -> dict[str, type[BaseModel]]:
+    """Return the sections below `root` that can stand in the place of `model`, by their kind."""
+    for field in root.model_fields.values():
+        sections = _sections(field.annotation)
+        if model in sections.values() and "kind" in model.model_fields:
             return {k: other for k, other in sections.items() if other is not model}
+        for section in sections.values():
+            if found := _siblings(model, section):
+                return found
     return {}
 
 
-def _disturbances() -> list[str]:
-    return [kind for kind in _sections(Scenario.model_fields["disturbances"].annotation) if kind != "turbulence"]
-
-
-def _choice(item: Any, key: Key, value: Any) -> Problem:
+def _choice(item: Any, key: Key, value: Any, model: type[BaseModel]) -> Problem:
     ctx = item.get("ctx", {})
     if item["type"] == "literal_error":
         expected = ctx["expected"]
-    else:  # the tag of a union: tell its key, not the section
+    else:  # the tag of a union: its key is at fault, not the section
+        field = next(part for part in reversed(key) if isinstance(part, str))
+        sections = _sections(model.model_fields[field].annotation)
+        expected = ", ".join(kind for kind, section in sections.items() if not getattr(section, "refused", False))
         key = (*key, "kind")
-        expected = ", ".join(_disturbances()) if key[0] == "disturbances" else ctx["expected_tags"]
         value = value.get("kind") if isinstance(value, dict) else value
     known = [word.strip().strip("'") for word in expected.replace(" or ", ", ").split(",")]
     near = difflib.get_close_matches(str(value), known, n=1)
     found = "nothing" if item["type"] == "union_tag_not_found" else describe(value)
+    if len(known) == 1:
+        return Problem(key, found, known[0], f"write {known[0]}, the only one there is")
     remedy = f"did you mean {near[0]}?" if near else "choose one of them"
     return Problem(key, found, f"one of {', '.join(known)}", remedy)
 

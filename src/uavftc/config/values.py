@@ -6,7 +6,7 @@ Numbers are finite floats; a boolean or a text is not a number. Units are those 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import (
@@ -18,7 +18,9 @@ from pydantic import (
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     Strict,
+    ValidationInfo,
     WithJsonSchema,
+    field_validator,
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
@@ -29,6 +31,9 @@ class Model(BaseModel):
     """Base of every section: immutable, unknown keys are errors."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    remedies: ClassVar[dict[str, str]] = {}
+    """What to do about a key that somebody may write here and that does not belong, by its name."""
 
 
 class Problem(NamedTuple):
@@ -120,6 +125,11 @@ class Signal:
         return None if isinstance(self.value, Expression) else self.value
 
     @property
+    def text(self) -> str:
+        """The number in short, or the expression, as a message shows it."""
+        return self.value.text if isinstance(self.value, Expression) else f"{self.value:g}"
+
+    @property
     def written(self) -> float | str:
         """The number or the text as the file has it."""
         return self.value.text if isinstance(self.value, Expression) else self.value
@@ -168,3 +178,37 @@ class Signal:
             return cls.of(value)
         except ValueError as error:
             raise PydanticCustomError("signal", "{problem}", {"problem": str(error)}) from None
+
+
+ZERO = Signal(0.0)
+
+
+class AtLeast(NamedTuple):
+    """Annotates a signal that may not fall below a value: what is expected then, and how to fix it."""
+
+    low: float
+    expected: str
+    remedy: str
+
+
+class Window(Model):
+    """Something that acts on [start_s, end_s), s; `end_s` null means till the end of the flight."""
+
+    start_s: NonNegative = 0.0
+    """beginning of the window"""
+    end_s: Number | None = None
+    """end of the window, which does not belong to it; `null` is the end of the flight"""
+
+    @field_validator("end_s")
+    @classmethod
+    def _after_start(cls, end_s: float | None, info: ValidationInfo) -> float | None:
+        start_s = info.data.get("start_s")
+        if end_s is not None and start_s is not None and end_s <= start_s:
+            raise PydanticCustomError("window", "after start_s, {start_s} s", {"start_s": f"{start_s:g}"})
+        return end_s
+
+
+def window_of(entry: Any, t: np.ndarray) -> slice:
+    """Return which of the times t, s, rising, lie in [start_s, end_s) of an entry."""
+    end = np.inf if entry.end_s is None else entry.end_s
+    return slice(int(np.searchsorted(t, entry.start_s)), int(np.searchsorted(t, end)))

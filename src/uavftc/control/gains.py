@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
 
 
 def lyapunov_P(A_s: np.ndarray, Q: np.ndarray) -> np.ndarray:
@@ -11,6 +10,8 @@ def lyapunov_P(A_s: np.ndarray, Q: np.ndarray) -> np.ndarray:
 
     A_s, Q: shape (3, 3); A_s Hurwitz (1/s), Q symmetric positive definite.
     """
+    from scipy.linalg import solve_continuous_lyapunov  # noqa: PLC0415 - a scenario is checked without it
+
     P = solve_continuous_lyapunov(A_s.T, -Q)
     return 0.5 * (P + P.T)
 

@@ -9,10 +9,24 @@ The heading enters relative to the initial heading, or Phi would vanish on every
 from __future__ import annotations
 
 from math import exp
+from typing import Annotated
 
+from uavftc.config.values import Model, Number, Positive, list_of
 from uavftc.core.stage import law
 
 NODES = 5
+
+
+class Rbf(Model):
+    """Radial basis network "6-5-1": five Gaussians over the six inputs [x1; x2], rad and rad/s."""
+
+    centres: Annotated[
+        tuple[Number, Number, Number, Number, Number],
+        list_of(5, "a list of five numbers, one centre for each hidden node"),
+    ] = (-0.2, -0.1, 0.0, 0.1, 0.2)
+    """node i stands at centres[i] in every input"""
+    width: Positive = 0.4
+    """k of the Gaussian, > 0"""
 
 
 @law

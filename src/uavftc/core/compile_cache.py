@@ -10,14 +10,14 @@ import contextlib
 import functools
 import hashlib
 import os
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numba
-import platformdirs
 
-COMPILED = ("core", "control", "sensors", "actuators", "plants", "flight/envelope.py")
+from uavftc.core import cache
+
+COMPILED = ("core", "control", "sensors", "actuators", "plants", "flight/envelope.py", "stage.py")
 """Where this project's compiled code lives."""
 
 
@@ -25,8 +25,8 @@ COMPILED = ("core", "control", "sensors", "actuators", "plants", "flight/envelop
 def compile_cache_dir() -> Path:
     """Return the folder of compiled laws for exactly this source, made if needed.
 
-    It lies in the user's cache (or under NUMBA_CACHE_DIR), never beside the source: an installed package may be
-    read-only. Where no such folder can be written, a private temporary one serves for this user.
+    It lies in the user's cache, never next to the source: an installed package may be read-only. NUMBA_CACHE_DIR moves
+    it where UAVFTC_CACHE_DIR, which moves all caches, is not set.
     """
     here = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256(numba.__version__.encode())
@@ -35,23 +35,8 @@ def compile_cache_dir() -> Path:
         for file in [path] if path.is_file() else sorted(path.rglob("*.py")):
             digest.update(file.relative_to(here).as_posix().encode() + b"\0" + file.read_bytes())
     name = digest.hexdigest()[:16]
-    override = os.environ.get("NUMBA_CACHE_DIR")
-    user = Path(override) if override else platformdirs.user_cache_path("uavftc")
-    for base in (user, Path(tempfile.gettempdir()) / f"uavftc-{os.getuid() if hasattr(os, 'getuid') else 'user'}"):
-        folder = base / name
-        with contextlib.suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            if os.access(folder, os.W_OK) and _is_ours(base) and _is_ours(folder):
-                return folder
-    return Path(tempfile.mkdtemp(prefix="uavftc-"))
-
-
-def _is_ours(folder: Path) -> bool:
-    """Whether nobody else can write there: what lies in the cache is run."""
-    if not hasattr(os, "getuid"):
-        return True
-    status = folder.stat()
-    return status.st_uid == os.getuid() and not status.st_mode & 0o022
+    laws_only = None if os.environ.get(cache.HOME_VARIABLE) else os.environ.get("NUMBA_CACHE_DIR")
+    return cache.cache_folder(name, home=Path(laws_only) if laws_only else None)
 
 
 def is_compiled() -> bool:
@@ -62,7 +47,7 @@ def is_compiled() -> bool:
 def outside(entry: Callable[..., None]) -> str | None:
     """Return the hash of the source of a law that is not this project's, or None.
 
-    The law's file counts, and what stands beside it: its folder, or all of its package.
+    The law's file counts, and what stands next to it: its folder, or all of its package.
     """
     file = Path(entry.__code__.co_filename).resolve()
     here = Path(__file__).resolve().parents[1]

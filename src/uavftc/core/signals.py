@@ -7,7 +7,8 @@ bus between the blocks and, once the sample has passed, the history. Units are S
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,14 +46,32 @@ ROW = np.dtype(
         ("v1", "f8", _VEC),  # commanded body rates, eq. (9), rad/s
         ("f_hat", "f8", _VEC),  # estimate of the lumped disturbance, B_m (W_f' Phi_f + eps_f), rad/s^2
         ("v2", "f8", _VEC),  # controller output: commanded deflection about trim, rad
-        # the actuators: deflection about trim, held from t_k on, and from t_k + switch on (delay of part of a sample)
-        ("u2", "f8", _VEC),  # rad
-        ("u2_late", "f8", _VEC),  # rad
+        ("u2", "f8", _VEC),  # deflection about trim that each axis gets from its effectors, from t_k on, rad
     ]
 )
-"""Layout of one signal row; all fields are float64, so a row is also a flat buffer."""
+"""The head of a signal row, the same in every flight; all fields are float64, so a row is also a flat buffer."""
 
 ROW_WIDTH = ROW.itemsize // 8
+
+EFFECTOR = np.dtype(
+    [
+        ("command", "f8"),  # commanded deflection about trim, rad
+        ("deflection", "f8"),  # deflection about trim, from t_k on, rad; each actuator effect works on it in its turn
+        ("effectiveness", "f8"),  # omega of eq. (6), given by the scenario
+        ("bias", "f8"),  # v_2a of eq. (6), given by the scenario, rad
+    ]
+)
+"""One effector at one sample. A row ends with as many of these as the aircraft has effectors."""
+
+
+def row_type(effectors: int = len(SURFACES)) -> np.dtype:
+    """Return the layout of a whole row: the fields of `ROW`, then `effectors`, an array of `EFFECTOR`."""
+    return np.dtype([*((name, *_described(ROW, name)) for name in ROW.names or ()), ("effectors", EFFECTOR, effectors)])
+
+
+def _described(dtype: np.dtype, name: str) -> tuple[np.dtype, tuple[int, ...]]:
+    fields: Mapping[str, Any] = dtype.fields or {}
+    return fields[name][0].base, fields[name][0].shape
 
 
 class Column(NamedTuple):
@@ -92,14 +111,15 @@ COLUMNS: tuple[Column, ...] = (
 """Columns of `history.parquet`, in order."""
 
 
-def empty_rows(n: int) -> np.ndarray:
-    """Return `n` zeroed rows, shape (n, ROW_WIDTH), C-contiguous float64; `rows.view(ROW)[:, 0]` names the fields."""
-    return np.zeros((n, ROW_WIDTH))
+def empty_rows(n: int, effectors: int = len(SURFACES)) -> np.ndarray:
+    """Return `n` zeroed rows of a flight with so many effectors, shape (n, width), C-contiguous float64."""
+    return np.zeros((n, row_type(effectors).itemsize // 8))
 
 
 def as_records(rows: np.ndarray) -> np.ndarray:
-    """Return the same memory as a structured array, shape (n,), dtype ROW."""
-    return rows.view(ROW)[:, 0]
+    """Return the same memory as a structured array, shape (n,), its fields those of `row_type`."""
+    effectors = (rows.shape[1] - ROW_WIDTH) * 8 // EFFECTOR.itemsize
+    return rows.view(row_type(effectors))[:, 0]
 
 
 def heading_near_reference(records: np.ndarray) -> np.ndarray:

@@ -1,41 +1,41 @@
-"""Stages: compiled laws over records, chained over the rows of a flight.
+"""Stages: laws over records, made callable by address.
 
-A law is a module with three things: a dtype `PARAMS`, a dtype `STATE` and a function `step(p, s, row)` that reads its
-parameters by name, updates its state in place and reads and writes the signal row (`signals.ROW`). `Stage` makes it
-callable by address, so that any list of laws composes into one compiled call a sample without compiling the
-combination: a `Program` holds the addresses, one C function call a law (about 10 ns).
+A law is a module with three things: a dtype `PARAMS`, a dtype `STATE` and a function `step`. On a signal row it is
+`step(p, s, row)`; on one effector `step(p, s, e, row)`, with `e` a record of `signals.EFFECTOR`. It reads its
+parameters by name and updates its state, the row and the effector in place. `Stage(step, PARAMS, STATE)` compiles it
+and hands out its address, so that any list of laws composes into one compiled call a sample without compiling the
+combination (`program.py`).
 
-A record reaches the law as a pointer, so nothing is copied or boxed between the laws.
+A record reaches the law as a pointer, so nothing is copied or boxed between the laws. The law itself is what is
+compiled and cached: numba passes a record by its address, and a law that raises returns a status other than 0
+(tests/core/test_stage.py pins both).
 
-Between compiled blocks a `PythonBlock` may stand, a step in plain Python; the blocks between two of them stay one
-compiled call, and a program without any is one.
+With NUMBA_DISABLE_JIT=1 the same laws run in plain Python on views of the same memory, for coverage and debugging.
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-from llvmlite import ir
-from numba import carray, types
-from numba.extending import intrinsic
+from numba import types
+from numba.extending import overload
 
 from uavftc.core.compile_cache import compile_cache, is_compiled, outside
-from uavftc.core.signals import ROW
+from uavftc.core.signals import EFFECTOR, ROW
 
 NOTHING = np.dtype([("nothing", "f8")])
 """Parameters or state of a law that has none."""
 
 RAW = np.dtype("f8")
-"""State of a law that lays out its own memory: the law gets a pointer to float64."""
+"""State of a law that lays out its own memory: the law takes it by `floats`."""
 
-STEP_FAILED = -1.0
-"""Status of a row at which a step in plain Python failed; what it said is `Program.failure`."""
-
-_STATUS = ROW.fields["status"][1] // 8  # type: ignore[index]
+COMPILED = not numba.config.DISABLE_JIT
+"""Whether laws are compiled; NUMBA_DISABLE_JIT=1 runs them in plain Python."""
 
 law = numba.njit(error_model="numpy")
 """Decorator of every compiled function. IEEE arithmetic: a division by zero gives inf, never an exception."""
@@ -46,173 +46,142 @@ class Stage:
 
     Parameters
     ----------
+    step
+        `step(p, s, row)`, or `step(p, s, e, row)` of a law on one effector.
     params, state
-        The law's record types; `RAW` for memory that the law lays out itself.
-
-    Use as a decorator on the three-line entry that turns pointers into records::
-
-        @Stage(PARAMS, STATE)
-        def stage(p, s, row):
-            step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+        The law's record types; state `RAW` for memory that the law lays out itself.
+    reads, writes
+        Fields of the row, and of the effector, that it reads and writes; None for a law that does not say. A flight
+        is not built if a law reads what nothing before it has written.
 
     Compilation happens when the address is first asked for, and is cached on disk.
     """
 
-    def __init__(self, params: np.dtype, state: np.dtype) -> None:
+    def __init__(
+        self,
+        step: Callable[..., None],
+        params: np.dtype = NOTHING,
+        state: np.dtype = NOTHING,
+        *,
+        reads: Sequence[str] | None = None,
+        writes: Sequence[str] | None = None,
+    ) -> None:
+        self.step = step
+        self.python: Callable[..., None] = getattr(step, "py_func", step)
+        """The law as it is written, uncompiled."""
         self.params = params
         self.state = state
-        self._entry: Callable[..., None] | None = None
-
-    def __call__(self, entry: Callable[..., None]) -> Stage:
-        """Take the entry function; return the stage itself."""
-        self._entry = entry
-        self.__doc__ = entry.__doc__
-        return self
+        self.reads = None if reads is None else frozenset(reads)
+        self.writes = None if writes is None else frozenset(writes)
+        self.on_effector = len(inspect.signature(self.python).parameters) == 4
+        """Whether it is a law on one effector."""
+        self.name = self.python.__module__.rpartition(".")[2]
+        self.__doc__ = self.python.__doc__
 
     @functools.cached_property
     def address(self) -> int:
-        """Address of the compiled entry, a C function `void (params*, state*, row*)`."""
-        pointers = [_pointer(dtype) for dtype in (self.params, self.state, ROW)]
-        assert self._entry is not None
-        with compile_cache(outside(self._entry)):
-            compiled = numba.cfunc(types.void(*pointers), cache=True, error_model="numpy")(self._entry)
-        self._keep_alive = compiled
-        return int(compiled.address)
+        """Address of the compiled law: a C function of two words of numba's, then the pointers that it is called with.
 
-    def block(self, params: np.ndarray | None = None, state: np.ndarray | None = None) -> Block:
-        """Return this stage with its memory; zeros where none is given."""
+        It returns 0, or another number if the law raised.
+        """
+        signals = (EFFECTOR, ROW) if self.on_effector else (ROW,)
+        signature = types.void(*(_argument(dtype) for dtype in (self.params, self.state, *signals)))
+        with compile_cache(outside(self.python)):
+            compiled = numba.njit(signature, cache=True, error_model="numpy")(self.python)
+        self._keep_alive = compiled
+        (result,) = compiled.overloads.values()
+        return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+
+    def block(self, params: np.ndarray | None = None, state: np.ndarray | None = None, *, name: str = "") -> Block:
+        """Return this stage with its memory, named `name` or as the law's module; zeros where none is given.
+
+        On effectors, `params` and `state` hold one entry an effector, along the first axis.
+        """
+        given = params if params is not None else state
+        n = 1 if given is None else len(given)
         return Block(
+            name or self.name,
             self,
-            np.zeros(1, self.params) if params is None else params,
-            np.zeros(1, self.state) if state is None else state,
+            np.zeros(n, self.params) if params is None else params,
+            np.zeros(n, self.state) if state is None else state,
         )
 
 
 class Block(NamedTuple):
     """One stage with the memory it works on."""
 
+    name: str
+    """Unique in a flight; how others find it."""
     stage: Stage
     params: np.ndarray
     state: np.ndarray
 
 
-def params_of(dtype: np.dtype, **values: object) -> np.ndarray:
-    """Return one parameter record of `dtype`, shape (1,), every field given by keyword.
+class PythonBlock(NamedTuple):
+    """A step in plain Python: it is given the row, shape (width,), float64, and may write into it."""
 
-    Raises
-    ------
-    TypeError
-        If a field is missing or unknown.
-    """
-    names = set(dtype.names or ())
-    if names != set(values):
-        raise TypeError(f"parameters {sorted(names ^ set(values))} are missing or unknown")
-    record = np.zeros(1, dtype)
-    for name, value in values.items():
-        record[name] = value
-    return record
+    name: str
+    step: Callable[[np.ndarray], None]
 
 
 class StepFailed(Exception):  # noqa: N818 - it ends a flight, and says why
     """Raised by the step of a `PythonBlock` that cannot go on; its text becomes the reason of the flight's end."""
 
 
-class PythonBlock(NamedTuple):
-    """A step in plain Python: it is given the row, shape (ROW_WIDTH,), float64, and may write into it."""
+def params_of(dtype: np.dtype, /, **values: object) -> np.ndarray:
+    """Return one parameter record of `dtype`, shape (1,), every field given by keyword.
 
-    step: Callable[[np.ndarray], None]
+    A single number fills a vector; a matrix is given whole.
 
-
-class Program:
-    """Blocks run in order on every row: one compiled call for any number of rows, if all of them are compiled."""
-
-    def __init__(self, blocks: Sequence[Block | PythonBlock]) -> None:
-        self.blocks = tuple(blocks)  # keeps the memory alive that the tables point to
-        self.failure: str | None = None
-        """Why a Python step failed, once one has."""
-        parts: list[list[Block] | PythonBlock] = [[]]
-        for block in self.blocks:
-            if isinstance(block, PythonBlock):
-                parts += [block, []]
-            else:
-                parts[-1].append(block)  # type: ignore[union-attr]  # always a list
-        self._table = _table(parts[0])  # type: ignore[arg-type]
-        # the steps in order, of one row each; empty where all blocks are compiled
-        self._parts = [part.step if isinstance(part, PythonBlock) else _table(part) for part in parts if part]
-        if len(parts) == 1:
-            self._parts = []
-        with compile_cache():
-            self._run = _compiled_run_rows()
-        self.run: Callable[[np.ndarray, int, int], int] = (
-            self._run_in_parts if self._parts else functools.partial(self._run, self._table)
-        )
-        """run(rows, first, last): run all blocks on rows `first` to `last - 1`, shape (n, ROW_WIDTH).
-
-        Returns the index of the row at which a block set `status`, or `last`. Bound once: it is called every sample.
-        """
-
-    def _run_in_parts(self, rows: np.ndarray, first: int, last: int) -> int:
-        run = self._run
-        for k in range(first, last):
-            for part in self._parts:
-                if isinstance(part, np.ndarray):
-                    run(part, rows, k, k + 1)
-                    continue
-                try:
-                    part(rows[k])
-                except StepFailed as failure:  # what comes after it in the row has nothing to act on
-                    self.failure = str(failure)
-                    rows[k, _STATUS] = STEP_FAILED
-                    return k
-            if rows[k, _STATUS] != 0.0:
-                return k
-        return last
+    Raises
+    ------
+    TypeError
+        If a field is missing or unknown.
+    ValueError
+        If a value has another shape than its field.
+    """
+    return records_of(dtype, 1, **{name: np.asarray(value)[None] for name, value in values.items()})
 
 
-def _table(blocks: Sequence[Block]) -> np.ndarray:
-    """Return the addresses of compiled blocks, shape (n, 3), as the kernel runs them."""
-    return np.array(
-        [(b.stage.address, b.params.ctypes.data, b.state.ctypes.data) for b in blocks], dtype=np.int64
-    ).reshape(-1, 3)
+def records_of(dtype: np.dtype, n: int, /, **values: object) -> np.ndarray:
+    """Return `n` records of `dtype`, shape (n,); each field is given by keyword, one entry a record.
+
+    Raises
+    ------
+    TypeError
+        If a field is missing or unknown.
+    ValueError
+        If there is not one entry a record, or an entry has another shape than the field (a number fills a vector).
+    """
+    fields: Mapping[str, Any] = dtype.fields or {}
+    if set(fields) != set(values):
+        raise TypeError(f"parameters {sorted(set(fields) ^ set(values))} are missing or unknown")
+    records = np.zeros(n, dtype)
+    for name, value in values.items():
+        entries, shape = np.asarray(value), fields[name][0].shape
+        if len(entries) != n or (entries.shape[1:] != shape and not (entries.ndim == 1 and len(shape) == 1)):
+            raise ValueError(f"parameter {name} has the shape {entries.shape[1:]}, expected {shape}")
+        records[name] = entries[:, None] if entries.ndim == 1 and shape else entries
+    return records
 
 
-def _pointer(dtype: np.dtype) -> Any:
-    return types.CPointer(types.float64 if dtype == RAW else numba.from_dtype(dtype))
+def floats(memory: Any, n: int) -> Any:
+    """Return the memory of a law with the state `RAW` as an array of `n` float64."""
+    return memory[:n]
 
 
-@intrinsic
-def _call(_context, function, params, state, row):
-    """Call the C function at an address with three addresses."""
-    signature = types.void(types.int64, types.int64, types.int64, types.int64)
-
-    def generate(context, builder, _signature, args):
-        address = ir.IntType(8).as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [address] * 3)
-        target = builder.inttoptr(args[0], kind.as_pointer())
-        builder.call(target, [builder.inttoptr(arg, address) for arg in args[1:]])
-        return context.get_dummy_value()
-
-    return signature, generate
+@overload(floats)
+def _floats(memory, n):
+    if isinstance(memory, types.CPointer):
+        return lambda memory, n: numba.carray(memory, n)  # noqa: PLW0108 - numba takes a Python function
+    return None
 
 
-def _run_rows(table, rows, first, last):
-    base = rows.ctypes.data
-    for k in range(first, last):
-        row = base + k * rows.strides[0]
-        for i in range(table.shape[0]):
-            _call(table[i, 0], table[i, 1], table[i, 2], row)
-        if rows[k, _STATUS] != 0.0:
-            return k
-    return last
-
-
-@functools.cache
-def _compiled_run_rows() -> Callable[..., int]:
-    signature = types.int64(types.int64[:, ::1], types.float64[:, ::1], types.int64, types.int64)
-    return numba.njit(signature, cache=True)(_run_rows)
+def _argument(dtype: np.dtype) -> Any:
+    return types.CPointer(types.float64) if dtype == RAW else numba.from_dtype(dtype)
 
 
 __all__ = [
-    "NOTHING", "RAW", "STEP_FAILED", "Block", "Program", "PythonBlock", "Stage", "StepFailed", "carray",
-    "compile_cache", "is_compiled", "law", "params_of",
+    "COMPILED", "NOTHING", "RAW", "Block", "PythonBlock", "Stage", "StepFailed", "compile_cache", "floats",
+    "is_compiled", "law", "params_of", "records_of",
 ]  # fmt: skip

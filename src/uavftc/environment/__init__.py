@@ -1,1 +1,8 @@
-"""What the scenario prescribes over time: references, faults, disturbances, air."""
+"""What pushes the vehicle over time: one kind of disturbance a file. Overlapping disturbances add up."""
+
+from __future__ import annotations
+
+from uavftc.environment import angular_acceleration, attitude_rate, gust, turbulence, wind
+
+KINDS = (angular_acceleration, attitude_rate, wind, gust, turbulence)
+"""The kinds of entry of a scenario's `disturbances`."""

@@ -2,7 +2,40 @@
 
 from __future__ import annotations
 
+from typing import ClassVar, Literal
+
 import numpy as np
+
+from uavftc.config.values import Model, NonNegative, Number, Positive
+from uavftc.environment import air
+
+ENTRY_OF = "disturbances"
+FIELD, REFUSED_ON = air.FIELD, air.REFUSED_ON
+
+
+class Config(Model):
+    """A 1-cosine gust: rises over `ramp_s`, holds `hold_s`, falls over `ramp_s`; peak velocity of the air, m/s."""
+
+    kind: Literal["gust"] = "gust"
+    start_s: NonNegative = 0.0
+    """beginning of the gust"""
+    ramp_s: Positive
+    """time in which it rises, and in which it falls"""
+    hold_s: NonNegative = 0.0
+    """time for which it holds its peak"""
+    north_mps: Number = 0.0
+    """peak velocity of the air to the north"""
+    east_mps: Number = 0.0
+    """to the east"""
+    down_mps: Number = 0.0
+    """down"""
+
+    remedies: ClassVar[dict[str, str]] = {"end_s": "remove it: a gust ends by itself, at start_s + 2*ramp_s + hold_s"}
+
+    @property
+    def end_s(self) -> float:
+        """The time at which the air is still again, s."""
+        return self.start_s + 2 * self.ramp_s + self.hold_s
 
 
 def one_minus_cosine(t: np.ndarray, *, start: float, ramp: float, hold: float) -> np.ndarray:
@@ -14,3 +47,9 @@ def one_minus_cosine(t: np.ndarray, *, start: float, ramp: float, hold: float) -
     fall = tau - ramp - hold
     phase = np.where(tau < ramp, tau, np.where(fall < 0.0, ramp, ramp - fall)) / ramp
     return 0.5 * (1.0 - np.cos(np.pi * np.clip(phase, 0.0, 1.0)))
+
+
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+    """Add it to wind_n, m/s, at the times t, s, of the window."""
+    profile = one_minus_cosine(t, start=entry.start_s, ramp=entry.ramp_s, hold=entry.hold_s)
+    records["wind_n"] += profile[:, None] * (entry.north_mps, entry.east_mps, entry.down_mps)

@@ -6,7 +6,7 @@ from math import isfinite
 
 import numpy as np
 
-from uavftc.core.stage import NOTHING, Stage, carray, law
+from uavftc.core.stage import NOTHING, Stage, law
 
 PARAMS = np.dtype(
     [
@@ -41,10 +41,7 @@ def step(p, s, row):
         row.status = GROUND
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["x1", "x2", "v2", "airspeed", "height", "contact"], writes=["status"])
 
 
 def reason(params: np.void, row: np.void) -> str:

@@ -3,37 +3,32 @@
 from __future__ import annotations
 
 import difflib
-import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-import numpy as np
-
-from uavftc.aircraft.definition import load_aircraft
-from uavftc.control.custom.module import checksum, is_path, is_there, registered
-from uavftc.core.signals import COLUMNS, SURFACES, as_records, empty_rows
+from uavftc.control.custom.module import is_path, is_there, registered
 from uavftc.errors import InputError
-from uavftc.flight.fly import CHUNK_ROWS
-from uavftc.jobs.campaign.pool import Flown, fly_one
+from uavftc.jobs.campaign.pool import fly_one
 from uavftc.report.distance import distance
 from uavftc.report.side_by_side import markdown, tidy_csv, title_of
+from uavftc.results.flight import FlightResult
 from uavftc.results.folder import ResultFolder
-from uavftc.results.history import ParquetRecorder
-from uavftc.results.kinds import COMPARISON, PLANTS
-from uavftc.results.summary import provenance, summary, write_json
-from uavftc.scenario.controllers import OwnController
-from uavftc.scenario.load import controller_name, load_scenario, scenario_text, warnings
-from uavftc.scenario.overrides import CONTROLLERS, own_name
+from uavftc.scenario.controllers import CONTROLLERS
+from uavftc.scenario.load import controller_name, load_scenario, scenario_text
+from uavftc.scenario.overrides import custom_name
 from uavftc.scenario.schema import Scenario
+
+PLANTS: tuple[str, ...] = get_args(Scenario.model_fields["plant"].annotation)
 
 Key = tuple[str, str]
 """(plant, controller)."""
 
 Progress = Callable[[int], AbstractContextManager[Callable[[int], None]]]
-"""Given the number of flights, a context that yields a function to be told the flights flown so far."""
+"""Given the number of flights, a context that yields a function to call with the flights flown so far."""
 
 
 def load_combinations(
@@ -51,7 +46,7 @@ def load_combinations(
     source, aircraft, overrides
         As `scenario.load.load_scenario` takes them.
     plants, controllers
-        Names with commas between them, as `--controller` takes them; controllers None is the scenario's own.
+        Names with commas between them, as `--controller` takes them; controllers None is that of the scenario.
 
     Raises
     ------
@@ -59,23 +54,23 @@ def load_combinations(
         If a list has an unknown name or one twice, or if the scenario is wrong or cannot be flown on one of the plants.
     """
     chosen = _names("--plants", plants, PLANTS)
-    wanted = [None] if controllers is None else _controllers(controllers)
+    named = [None] if controllers is None else _controllers(controllers)
     loaded: dict[Key, Scenario] = {}
     for plant in chosen:
-        for controller in wanted:
+        for controller in named:
             scenario = load_scenario(source, overrides=overrides, plant=plant, aircraft=aircraft, controller=controller)
-            own = controller_name(scenario)
+            name = controller_name(scenario)
             _refuse_overridden("--set plant", scenario.plant, plant, "--plants")
-            named = own if controller is None else controller if controller in CONTROLLERS else own_name(controller)
-            _refuse_overridden("--set controller", own, named, "--controllers")
-            if (plant, own) in loaded:
+            given = name if controller is None else controller if controller in CONTROLLERS else custom_name(controller)
+            _refuse_overridden("--set controller", name, given, "--controllers")
+            if (plant, name) in loaded:
                 raise InputError(
                     f"--controllers {controllers}",
-                    found=f"two controllers that are called {own}",
+                    found=f"two controllers that are called {name}",
                     expected="controllers of different names: results are told apart by them",
                     remedy="rename one of the modules",
                 )
-            loaded[plant, own] = scenario
+            loaded[plant, name] = scenario
     return loaded
 
 
@@ -108,19 +103,16 @@ def compare(
     KeyboardInterrupt
         On Ctrl-C; nothing is written then.
     """
-    folder = ResultFolder(out, COMPARISON)
+    folder = ResultFolder(out)
     folder.check()
-    flown: dict[Key, Flown] = {}
+    flown: dict[Key, FlightResult] = {}
     with nullcontext(None) if progress is None else progress(len(scenarios)) as advance:
         for key, scenario in scenarios.items():
-            flown[key] = fly_one(scenario)  # one by one, and not by fly_all, so that Ctrl-C is seen after each
-            if flown[key].outcome.interrupted:  # a flight ends cleanly on Ctrl-C; half a comparison is none
-                raise KeyboardInterrupt
+            flown[key] = fly_one(scenario)
             if advance is not None:
                 advance(len(flown))
     document = document_of(flown)
     with folder:
-        write_json(folder.path / "summary.json", document)
         for name, text in (
             ("comparison.md", markdown(document)),
             ("comparison.csv", tidy_csv(document)),
@@ -128,16 +120,16 @@ def compare(
         ):
             (folder.path / name).write_text(text, encoding="utf-8", newline="\n")
         (folder.path / "histories").mkdir()
-        for (plant, controller), flight in flown.items():
-            write_history(folder.path / "histories" / f"{plant}-{controller}.parquet", flight)
+        for (plant, controller), result in flown.items():
+            result.write_history(folder.path / "histories" / f"{plant}-{controller}.parquet")
         if figures:
             draw(folder.path / "figures", flown, title_of(document))
-    return document
+        return folder.write_summary(document)
 
 
-def document_of(flown: Mapping[Key, Flown]) -> dict[str, Any]:
+def document_of(flown: Mapping[Key, FlightResult]) -> dict[str, Any]:
     """Return the document of `summary.json`: the flights, each as in its own `summary.json`, and their distances."""
-    flights = [flight_summary(flight) for flight in flown.values()]
+    flights = [result.summary() for result in flown.values()]
     first = flights[0]
     origin = first["provenance"]
     return {
@@ -153,43 +145,7 @@ def document_of(flown: Mapping[Key, Flown]) -> dict[str, Any]:
     }
 
 
-def flight_summary(flown: Flown) -> dict[str, Any]:
-    """Return what `uavftc-fly` would write into `summary.json` of this flight."""
-    scenario, outcome = flown.scenario, flown.outcome
-    steps = max(outcome.rows - 1, 0)
-    return summary(
-        scenario=scenario.name,
-        aircraft=scenario.aircraft,
-        plant=scenario.plant,
-        controller=controller_name(scenario),
-        completed=outcome.completed,
-        ended_because=outcome.ended_because,
-        ended_at_s=outcome.ended_at_s,
-        axes=flown.axes,
-        timing={
-            "flight_wall_s": outcome.wall_s,
-            "controller_steps": steps,
-            "us_per_controller_step": 1e6 * outcome.wall_s / max(steps, 1),
-        },
-        provenance=origin_of(flown),
-        warnings=warnings(scenario),
-    )
-
-
-def origin_of(flown: Flown) -> dict[str, Any]:
-    """Return the provenance of a flight."""
-    origin = provenance(
-        seed=flown.scenario.seed,
-        scenario_sha256=hashlib.sha256(scenario_text(flown.scenario).encode()).hexdigest(),
-        aircraft_sha256=load_aircraft(flown.scenario.aircraft).sha256(),
-        plant_settings=flown.settings,
-    )
-    if isinstance(flown.scenario.controller, OwnController):
-        origin["controller_sha256"] = checksum(flown.scenario.controller.kind)
-    return origin
-
-
-def distances(flown: Mapping[Key, Flown]) -> list[dict[str, Any]]:
+def distances(flown: Mapping[Key, FlightResult]) -> list[dict[str, Any]]:
     """Return, for each controller and each two plants it was flown on, how far the flights are apart."""
     entries = []
     for (a, controller), (b, other) in combinations(flown, 2):
@@ -202,41 +158,18 @@ def distances(flown: Mapping[Key, Flown]) -> list[dict[str, Any]]:
     return entries
 
 
-def write_history(path: Path, flown: Flown) -> None:
-    """Write a flight's history as `uavftc-fly` does: the same columns, row groups and metadata."""
-    assert flown.history is not None
-    records = as_records(empty_rows(len(flown.history["time_s"])))
-    for name, field, component in COLUMNS:
-        target = records[field] if component is None else records[field][:, component]
-        target[:] = flown.history[name]
-    origin = {key: str(value) for key, value in origin_of(flown).items()}
-    with ParquetRecorder(path, {"scenario": scenario_text(flown.scenario), **origin}) as parquet:
-        for start in range(0, len(records), CHUNK_ROWS):
-            parquet.take(records[start : start + CHUNK_ROWS])
-
-
-def draw(folder: Path, flown: Mapping[Key, Flown], title: str) -> None:
+def draw(folder: Path, flown: Mapping[Key, FlightResult], title: str) -> None:
     """Draw the figures of all flights into `folder`."""
-    from uavftc.report.figures import FaultWindow  # noqa: PLC0415 - matplotlib takes most of a second
-    from uavftc.report.overlays import OverlayContext, write_overlays  # noqa: PLC0415
+    from uavftc.report.overlays import write_overlays  # noqa: PLC0415 - matplotlib takes most of a second
 
-    scenario = next(iter(flown.values())).scenario
-    limits = dict(zip(SURFACES, scenario.limits_rad(), strict=True))
-    context = OverlayContext(
-        title,
-        {surface: pair[np.isfinite(pair)].tolist() for surface, pair in limits.items()},
-        [
-            FaultWindow(f.surface, f.start_s, scenario.duration_s if f.end_s is None else f.end_s, "")
-            for f in scenario.faults
-        ],
-    )
-    write_overlays(folder, {key: flight.history for key, flight in flown.items() if flight.history}, context)
+    context = replace(next(iter(flown.values())).figure_context(), title=title)
+    write_overlays(folder, {key: result.history for key, result in flown.items() if result.history}, context)
 
 
 def _controllers(text: str) -> list[str | None]:
-    """Return the names in a list of controllers: pairs of laws, and one's own by name or path."""
-    own = [name for name in map(str.strip, text.split(",")) if name and (is_path(name) or is_there(name))]
-    return [*_names("--controllers", text, [*CONTROLLERS, *registered()], own)]
+    """Return the names in a list of controllers: pairs of laws, and custom ones by name or path."""
+    custom = [name for name in map(str.strip, text.split(",")) if name and (is_path(name) or is_there(name))]
+    return [*_names("--controllers", text, [*CONTROLLERS, *registered()], custom)]
 
 
 def _names(option: str, text: str, known: Sequence[str], others: Sequence[str] = ()) -> list[str]:
@@ -258,6 +191,6 @@ def _refuse_overridden(where: str, found: str, expected: str, option: str) -> No
         raise InputError(
             where,
             found=f"{found} in place of {expected}",
-            expected=f"what is compared to be told by {option} alone",
+            expected=f"what is compared to be set by {option} alone",
             remedy=f"leave it out, or name it in {option}",
         )

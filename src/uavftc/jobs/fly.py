@@ -2,37 +2,34 @@
 
 from __future__ import annotations
 
-import hashlib
 import shutil
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from uavftc.analysis.metrics import Metrics
-from uavftc.control.custom.module import checksum
-from uavftc.core.signals import SURFACES
-from uavftc.flight.build import Flight, build_flight
+from uavftc.flight.build import build_flight
 from uavftc.flight.fly import Outcome, fly
-from uavftc.report.table import title_of
+from uavftc.results.flight import FlightResult, metadata_of, origin_of
 from uavftc.results.folder import ResultFolder
 from uavftc.results.history import ParquetRecorder, read_history
-from uavftc.results.summary import provenance, summary, write_json
-from uavftc.scenario.controllers import OwnController
-from uavftc.scenario.disturbances import Gust, Turbulence, Wind
-from uavftc.scenario.load import controller_name, scenario_text, warnings
+from uavftc.scenario.load import scenario_text
 from uavftc.scenario.schema import Scenario
 
 Progress = Callable[[int], AbstractContextManager[Callable[[int], None]]]
-"""Given the number of rows, a context that yields a function to be told the rows flown so far."""
+"""Given the number of rows, a context that yields a function to call with the rows flown so far."""
 
 
 def fly_mission(
     scenario: Scenario, out: Path, *, figures: bool = True, progress: Progress | None = None
 ) -> tuple[dict[str, Any], Outcome]:
     """Fly a scenario and write its result folder, whole or not at all.
+
+    Ctrl-C ends the flight between two slices, and what was flown is written; a second one acts at once, and nothing
+    is written.
 
     Parameters
     ----------
@@ -57,95 +54,54 @@ def fly_mission(
     folder = ResultFolder(out)
     folder.check()
     flight = build_flight(scenario)
-    text = scenario_text(flight.scenario)
-    origin = origin_of(flight, text)
-    metadata = {"scenario": text, **{k: str(v) for k, v in origin.items()}}
+    origin = origin_of(flight)
+    metadata, metrics = metadata_of(flight.scenario, origin), Metrics()
     with folder:
-        metrics = Metrics()
         history = folder.path / "history.parquet"
-        with ParquetRecorder(history, metadata) as parquet:
-            if progress is None:
-                outcome = fly(flight, [parquet, metrics])
-            else:
-                with progress(flight.steps + 1) as advance:
-                    outcome = fly(flight, [parquet, metrics], advance)
-        document = summary_of(flight, outcome, metrics, origin)
-        write_json(folder.path / "summary.json", document)
-        (folder.path / "scenario.yaml").write_text(text, encoding="utf-8", newline="\n")
+        with (
+            ParquetRecorder(history, metadata) as parquet,
+            nullcontext(None) if progress is None else progress(flight.steps + 1) as advance,
+            _ctrl_c() as stopped,
+        ):
+            outcome = fly(flight, [parquet, metrics], advance, stop=stopped)
+        result = FlightResult(flight.scenario, outcome, metrics.axes(completed=outcome.completed), None, origin)
+        (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
+        document = result.summary()
         if figures:
             try:
-                draw(folder.path, flight, document)
+                draw(folder.path / "figures", history, result)
             except KeyboardInterrupt:  # the flight is kept, without its figures
                 shutil.rmtree(folder.path / "figures", ignore_errors=True)
                 outcome = outcome._replace(interrupted=True)
                 document["warnings"].append("interrupted while drawing: the flight is kept, without its figures")
+        document = folder.write_summary(document)
     return document, outcome
 
 
-def origin_of(flight: Flight, text: str) -> dict[str, Any]:
-    """Return the provenance of a flight: versions, seed, checksums, and how the plant was set up."""
-    origin = provenance(
-        seed=flight.scenario.seed,
-        scenario_sha256=hashlib.sha256(text.encode()).hexdigest(),
-        aircraft_sha256=flight.aircraft.sha256(),
-        plant_settings=flight.plant.settings,
-    )
-    if isinstance(flight.scenario.controller, OwnController):
-        origin["controller_sha256"] = checksum(flight.scenario.controller.kind)
-    return origin
+def draw(folder: Path, history: Path, result: FlightResult) -> None:
+    """Draw the figures of a flight, whose history is in a file, into `folder`."""
+    from uavftc.report.figures import write_figures  # noqa: PLC0415 - matplotlib takes most of a second
+
+    write_figures(folder, read_history(history), result.figure_context())
 
 
-def summary_of(flight: Flight, outcome: Outcome, metrics: Metrics, origin: dict[str, Any]) -> dict[str, Any]:
-    """Return the document of `summary.json`."""
-    scenario = flight.scenario
-    steps = max(outcome.rows - 1, 0)
-    return summary(
-        scenario=scenario.name,
-        aircraft=scenario.aircraft,
-        plant=scenario.plant,
-        controller=controller_name(scenario),
-        completed=outcome.completed,
-        ended_because=outcome.ended_because,
-        ended_at_s=outcome.ended_at_s,
-        axes=metrics.axes(completed=outcome.completed),
-        timing={
-            "flight_wall_s": outcome.wall_s,
-            "controller_steps": steps,
-            "us_per_controller_step": 1e6 * outcome.wall_s / max(steps, 1),
-        },
-        provenance=origin,
-        warnings=warnings(scenario),
-    )
+@contextmanager
+def _ctrl_c() -> Iterator[Callable[[], bool]]:
+    """Yield a function that tells whether there was a Ctrl-C, which until then does nothing but that.
 
+    A second Ctrl-C acts at once. Off the main thread Python delivers no signals, and the answer stays no.
+    """
+    stopped = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield stopped.is_set
+        return
 
-def draw(folder: Path, flight: Flight, document: dict[str, Any]) -> None:
-    """Draw the figures of the history in `folder` into `folder`/figures."""
-    from uavftc.report.figures import FaultWindow, FigureContext, fault_label, write_figures  # noqa: PLC0415
+    def stop(_signal: int, _frame: object) -> None:
+        stopped.set()
+        signal.signal(signal.SIGINT, before)
 
-    scenario = flight.scenario
-    limits = {
-        surface: tuple(pair) if np.isfinite(pair).any() else None
-        for surface, pair in zip(SURFACES, scenario.limits_rad(), strict=True)
-    }
-    end = scenario.duration_s
-    edges = [(d.start_s, d.end_s) for d in scenario.disturbances if not isinstance(d, Turbulence)]
-    changes = {end if edge is None else edge for pair in edges for edge in pair}
-    title = title_of(document)
-    if not document["completed"]:
-        title += f"\nLOST: {document['ended_because']}" if document["ended_because"] else "\nLOST"
-    context = FigureContext(
-        title=title,
-        limits_rad=limits,
-        faults=[
-            FaultWindow(
-                fault.surface,
-                fault.start_s,
-                end if fault.end_s is None else fault.end_s,
-                fault_label(fault.effectiveness.written, fault.bias_deg.written),
-            )
-            for fault in scenario.faults
-        ],
-        disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
-        wind=any(isinstance(d, Gust | Wind) for d in scenario.disturbances),
-    )
-    write_figures(folder / "figures", read_history(folder / "history.parquet"), context)
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield stopped.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -5,8 +5,7 @@
 
 with u2 the deflections after saturation and faults. A_l and B_m are the linear pair of the aircraft's companion file
 (for hale A_l = A_m: the only linear pair that the paper prints). Integrated by the classical Runge-Kutta rule of
-fourth order; the inputs are held over a sample, the change of command inside a sample (delay of a part of one) is met
-exactly by splitting the sample there.
+fourth order, the inputs held over a plant step.
 """
 
 from __future__ import annotations
@@ -17,15 +16,14 @@ import numpy as np
 
 from uavftc.core.kinematics import attitude_rates
 from uavftc.core.linear3 import multiply
-from uavftc.core.stage import NOTHING, Block, Program, Stage, carray, law, params_of
+from uavftc.core.program import Program
+from uavftc.core.stage import NOTHING, Block, Stage, law, params_of
 from uavftc.plants.interface import Timing
 from uavftc.plants.rigid_body import coefficients, gyroscopic
 
 PARAMS = np.dtype(
     [
-        ("h", "f8"),  # sample time, s
-        ("substeps", "i8"),  # Runge-Kutta steps a sample, and as many again where the command changes inside it
-        ("switch", "f8"),  # part of a sample after which u2_late applies
+        ("dt", "f8"),  # plant step, s
         ("c", "f8", (9,)),  # coefficients of eq. (2)
         ("A_l", "f8", (3, 3)),  # 1/s
         ("B_m", "f8", (3, 3)),  # 1/s^2
@@ -58,23 +56,7 @@ def moved(x, x_dot, h):
 
 
 @law
-def integrate(p, s, u2, d1, d2, h, steps):
-    """Advance the state by h seconds in `steps` Runge-Kutta steps under constant inputs."""
-    dt = h / steps
-    for _ in range(steps):
-        x1 = (s.x1[0], s.x1[1], s.x1[2])
-        x2 = (s.x2[0], s.x2[1], s.x2[2])
-        a1, a2 = derivative(p, x1, x2, u2, d1, d2)
-        b1, b2 = derivative(p, moved(x1, a1, 0.5 * dt), moved(x2, a2, 0.5 * dt), u2, d1, d2)
-        c1, c2 = derivative(p, moved(x1, b1, 0.5 * dt), moved(x2, b2, 0.5 * dt), u2, d1, d2)
-        e1, e2 = derivative(p, moved(x1, c1, dt), moved(x2, c2, dt), u2, d1, d2)
-        for i in range(3):
-            s.x1[i] = x1[i] + dt / 6.0 * (a1[i] + 2.0 * b1[i] + 2.0 * c1[i] + e1[i])
-            s.x2[i] = x2[i] + dt / 6.0 * (a2[i] + 2.0 * b2[i] + 2.0 * c2[i] + e2[i])
-
-
-@law
-def observe(s, row):
+def observe(p, s, row):
     """Write the state into the row; a rotational model has no air data."""
     for i in range(3):
         row.x1[i] = s.x1[i]
@@ -86,26 +68,29 @@ def observe(s, row):
     row.alpha = np.nan
     row.beta = np.nan
     row.throttle = np.nan
+    row.contact = 0.0
 
 
 @law
 def step(p, s, row):
-    """Advance the state over one sample under the deflections of the row."""
-    if p.switch > 0.0:
-        integrate(p, s, row.u2, row.d1, row.d2, p.switch * p.h, p.substeps)
-    integrate(p, s, row.u2_late, row.d1, row.d2, (1.0 - p.switch) * p.h, p.substeps)
+    """Advance the state by one Runge-Kutta step under the deflections of the row."""
+    dt, u2, d1, d2 = p.dt, row.u2, row.d1, row.d2
+    x1 = (s.x1[0], s.x1[1], s.x1[2])
+    x2 = (s.x2[0], s.x2[1], s.x2[2])
+    a1, a2 = derivative(p, x1, x2, u2, d1, d2)
+    b1, b2 = derivative(p, moved(x1, a1, 0.5 * dt), moved(x2, a2, 0.5 * dt), u2, d1, d2)
+    c1, c2 = derivative(p, moved(x1, b1, 0.5 * dt), moved(x2, b2, 0.5 * dt), u2, d1, d2)
+    e1, e2 = derivative(p, moved(x1, c1, dt), moved(x2, c2, dt), u2, d1, d2)
+    for i in range(3):
+        s.x1[i] = x1[i] + dt / 6.0 * (a1[i] + 2.0 * b1[i] + 2.0 * c1[i] + e1[i])
+        s.x2[i] = x2[i] + dt / 6.0 * (a2[i] + 2.0 * b2[i] + 2.0 * c2[i] + e2[i])
 
 
-@Stage(NOTHING, STATE)
-def observe_stage(p, s, row):
-    """Entry."""
-    observe(carray(s, 1)[0], carray(row, 1)[0])
+VEHICLE = ["x1", "x2", "wind_n", "airspeed", "altitude", "height", "alpha", "beta", "throttle", "contact"]
+"""What a plant writes of the vehicle as it is."""
 
-
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+observe_stage = Stage(observe, NOTHING, STATE, reads=[], writes=VEHICLE)
+stage = Stage(step, PARAMS, STATE, reads=["u2", "d1", "d2"], writes=[])
 
 
 class AnalyticPlant:
@@ -137,15 +122,14 @@ class AnalyticPlant:
         self.u_limits = np.array([[-np.inf, np.inf]] * 3) if u_limits is None else u_limits
         self.settings: dict[str, Any] = {
             "integrator": "Runge-Kutta 4",
-            "step_s": timing.h / timing.substeps,
+            "step_s": timing.plant_step,
         }
+        self.program_substeps = timing.substeps
         self._state = np.zeros(1, STATE)
         self._state["x1"] = self.x1_trim
         self._params = params_of(
             PARAMS,
-            h=timing.h,
-            substeps=timing.substeps,
-            switch=timing.switch,
+            dt=timing.plant_step,
             c=coefficients(inertia),
             A_l=A_l,
             B_m=B_m,
@@ -153,11 +137,11 @@ class AnalyticPlant:
 
     def before(self) -> list[Block]:
         """Return the block that writes the state into the row."""
-        return [observe_stage.block(state=self._state)]
+        return [observe_stage.block(state=self._state, name="observe")]
 
     def after(self) -> list[Block]:
-        """Return the block that integrates over a sample."""
-        return [stage.block(self._params, self._state)]
+        """Return the block that integrates over a plant step."""
+        return [stage.block(self._params, self._state, name="plant")]
 
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1` in one compiled call."""

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from uavftc.core.stage import Block, Program
+from uavftc.core.program import Program
+from uavftc.core.stage import Block
 
 
 class Timing(NamedTuple):
@@ -16,8 +17,11 @@ class Timing(NamedTuple):
     """Sample time of the controller, s."""
     substeps: int
     """Plant steps a sample."""
-    switch: float
-    """Part of a sample after which `u2_late` applies, in [0, 1); see `actuators/delay.py`."""
+
+    @property
+    def plant_step(self) -> float:
+        """Time step of the plant, s."""
+        return self.h / self.substeps
 
 
 class Plant(Protocol):
@@ -27,16 +31,19 @@ class Plant(Protocol):
     """Attitude of the trim, shape (3,), rad: references and the heading of the networks count from here."""
 
     u_limits: np.ndarray
-    """Mechanical stops: least and greatest deflection about trim, shape (3, 2), rad."""
+    """Mechanical stops: least and greatest deflection of each effector about trim, shape (n, 2), rad."""
 
     settings: dict[str, Any]
     """How it is integrated and started; recorded with the results."""
+
+    program_substeps: int
+    """Plant steps a row that the program takes by itself: all of a compiled plant, 1 of one that drives them."""
 
     def before(self) -> list[Block]:
         """Return the blocks that run at the start of a row, before the controller."""
 
     def after(self) -> list[Block]:
-        """Return the blocks that run at the end of a row, after the actuators."""
+        """Return the blocks that run at each plant step, after the actuators."""
 
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""

@@ -1,60 +1,30 @@
 """The figures of one flight, in the order of the paper: tracking, control outputs, estimates; and the air.
 
-Drawn with matplotlib's object interface, which touches neither a display nor the user's own settings. Importing this
-module imports matplotlib (0.7 s), so import it where figures are wanted.
+Drawn with matplotlib's object interface, which touches neither a display nor the user's settings. Importing this
+module imports matplotlib (0.7 s), so import it where figures are drawn.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG as BAND_DEG
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
 from uavftc.report.panels import BLACK, BLUE, GREEN, PURPLE, SKY, VERMILLION
+from uavftc.results.context import FaultWindow, FigureContext
 
-BAND_DEG = 0.02  # deg, the band of the convergence time
 ANGLES, RATES = ("phi", "theta", "psi"), ("p", "q", "r")
 _LARGEST = 1e9  # beyond it, the end of a diverged flight is not drawn: it would overflow the axes
 _LETTERS = "abcdefghi"
 REFERENCE = {"color": BLACK, "linestyle": (0, (5, 3)), "linewidth": 1.3, "zorder": 3}
 
 History = Mapping[str, np.ndarray]
-
-
-class FaultWindow(NamedTuple):
-    """A fault on one surface from `start_s` to `end_s` (may reach past the flight), and what to write into it."""
-
-    surface: str
-    start_s: float
-    end_s: float
-    label: str
-
-
-@dataclass(frozen=True)
-class FigureContext:
-    """What the figures show beside the history."""
-
-    title: str
-    limits_rad: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
-    """Least and greatest deflection about trim of each surface, rad; None or absent where there is no limit."""
-    faults: Sequence[FaultWindow] = ()
-    disturbances_s: Sequence[float] = ()
-    """Times at which a disturbance begins, ends or changes, s."""
-    wind: bool = False
-    """Whether the scenario has wind; without it, the figure of the air shows the throttle in its place."""
-
-
-def fault_label(effectiveness: float | str, bias_deg: float | str = 0.0) -> str:
-    """Return a label that fits a fault's window: what multiplies the deflection, and what is added to it."""
-    bias = "" if bias_deg in (0, "0") else f"\nbias {bias_deg} deg"
-    return f"ω = {effectiveness}{bias}"
 
 
 def write_figures(folder: Path, history: History, context: FigureContext) -> list[Path]:
@@ -134,7 +104,7 @@ def control(history: History, context: FigureContext) -> Figure:
             ),
         ]
         windows = [w[1:] for w in context.faults if w.surface == surface]
-        drawn += panels.limits(right, drawn, _limits_deg(context, surface))
+        drawn += panels.limits(right, drawn, limits_deg(context, surface))
         panels.fit_y(right, drawn, least=0.2, headroom=panels.shade(right, windows, name="fault"))
         name_panel(right, 2 * i + 1, surface, "deflection [deg]")
     panels.legends(axes)
@@ -213,7 +183,8 @@ def _pair(ax: Axes, t: np.ndarray, estimate: np.ndarray, true: np.ndarray, *, le
     panels.fit_y(ax, drawn, least=least)
 
 
-def _limits_deg(context: FigureContext, surface: str) -> tuple[float, ...]:
+def limits_deg(context: FigureContext, surface: str) -> tuple[float, ...]:
+    """Return the limits of a surface that there are, deg."""
     return tuple(np.rad2deg(limit) for limit in context.limits_rad.get(surface) or () if np.isfinite(limit))
 
 

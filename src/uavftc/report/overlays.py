@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations, cycle
 from pathlib import Path
 from typing import Any
@@ -16,8 +15,9 @@ from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
 from uavftc.report.chatter import chatter
 from uavftc.report.distance import ANGLES, RATES, attitude_difference, rate_difference, rows_in_common
-from uavftc.report.figures import BAND_DEG, REFERENCE, FaultWindow, History, deg, merged, name_panel
+from uavftc.report.figures import BAND_DEG, REFERENCE, History, deg, limits_deg, merged, name_panel
 from uavftc.report.panels import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION
+from uavftc.results.context import FaultWindow, FigureContext
 
 Key = tuple[str, str]
 """(plant, controller)."""
@@ -26,17 +26,7 @@ _COLOURS = (BLUE, VERMILLION, PURPLE, GREEN, ORANGE, SKY)
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.6)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 
 
-@dataclass(frozen=True)
-class OverlayContext:
-    """What the figures show beside the histories."""
-
-    title: str
-    limits_rad: Mapping[str, Sequence[float]]
-    """Limits of the command of each surface about trim, rad; empty where there is none."""
-    faults: Sequence[FaultWindow] = ()
-
-
-def write_overlays(folder: Path, histories: Mapping[Key, History], context: OverlayContext) -> list[Path]:
+def write_overlays(folder: Path, histories: Mapping[Key, History], context: FigureContext) -> list[Path]:
     """Write tracking.png, commands.png and, of two plants or more, difference.png; return their paths.
 
     Parameters
@@ -45,8 +35,10 @@ def write_overlays(folder: Path, histories: Mapping[Key, History], context: Over
         Where to; made if it is missing (its parent must be there).
     histories
         (plant, controller) to published columns (`signals.COLUMNS`), sampled at the same times; one may end early.
+    context
+        Title, limits and faults; the other fields are not used.
     """
-    draw: dict[str, Callable[[Mapping[Key, History], OverlayContext], Figure]] = {
+    draw: dict[str, Callable[[Mapping[Key, History], FigureContext], Figure]] = {
         "tracking": tracking, "commands": commands
     }  # fmt: skip
     if any(_pairs(histories)):
@@ -82,7 +74,7 @@ def looks(keys: Sequence[Key]) -> dict[Key, dict[str, Any]]:
     }
 
 
-def tracking(histories: Mapping[Key, History], context: OverlayContext) -> Figure:
+def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure:
     """Attitude of every flight against its reference, from trim, left; the errors against the 0.02 deg band, right."""
     fig, axes, look = _figure(histories, context, 2)
     longest = max(histories.values(), key=lambda history: len(history["time_s"]))
@@ -109,7 +101,7 @@ def tracking(histories: Mapping[Key, History], context: OverlayContext) -> Figur
     return fig
 
 
-def commands(histories: Mapping[Key, History], context: OverlayContext) -> Figure:
+def commands(histories: Mapping[Key, History], context: FigureContext) -> Figure:
     """Controller output v2 of every flight, one panel a surface, with its limits."""
     fig, axes, look = _figure(histories, context, 1)
     for i, surface in enumerate(SURFACES):
@@ -118,7 +110,7 @@ def commands(histories: Mapping[Key, History], context: OverlayContext) -> Figur
             chatter(ax, history["time_s"], deg(history, f"{surface}_cmd_rad"), **look[key])
             for key, history in histories.items()
         ]
-        limits = panels.limits(ax, drawn, [float(np.rad2deg(v)) for v in context.limits_rad[surface]])
+        limits = panels.limits(ax, drawn, limits_deg(context, surface))
         panels.fit_y(ax, [*drawn, *limits], least=0.2)
         panels.cut(ax, drawn, [float(limit[0]) for limit in limits])
         name_panel(ax, i, f"{surface}, commanded", "$v_2$ [deg]")
@@ -127,7 +119,7 @@ def commands(histories: Mapping[Key, History], context: OverlayContext) -> Figur
     return fig
 
 
-def difference(histories: Mapping[Key, History], context: OverlayContext) -> Figure:
+def difference(histories: Mapping[Key, History], context: FigureContext) -> Figure:
     """Attitude, left, and body rates, right, on one plant less those on another, as long as both flew."""
     fig, axes, _ = _figure(histories, context, 2)
     pairs = _pairs(histories)
@@ -160,7 +152,7 @@ def _pairs(histories: Mapping[Key, History]) -> list[tuple[Key, Key]]:
 
 
 def _figure(
-    histories: Mapping[Key, History], context: OverlayContext, columns: int
+    histories: Mapping[Key, History], context: FigureContext, columns: int
 ) -> tuple[Figure, np.ndarray, dict[Key, dict[str, Any]]]:
     fig, axes = panels.new_figure(context.title, 3, columns, (11.0, 9.0))
     panels.fit_t(axes[0, 0], max((history["time_s"] for history in histories.values()), key=len))

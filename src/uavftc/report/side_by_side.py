@@ -13,9 +13,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from uavftc.analysis import metrics
+from uavftc.analysis.metrics import Metric
 from uavftc.core.signals import AXES
-from uavftc.report.table import ROWS, cell, number, outcome_line
-from uavftc.results.summary import METRICS
+from uavftc.report.table import cell, number, outcome_line
 
 MOST_COLUMNS = 4  # of flights, in 80 characters
 _SIZES = (
@@ -67,9 +68,9 @@ def _metric_table(flights: Sequence[dict[str, Any]]) -> Table:
         table.add_column(heading, justify="right", min_width=11)
     for axis in AXES:
         table.add_row(Text(axis, style="bold"))
-        for label, metric in ROWS:
-            cells = (cell(metric, flight["axes"][axis][metric], flight["completed"]) for flight in flights)
-            table.add_row(Text(label), *cells)
+        for metric in metrics.METRICS:
+            cells = (cell(metric, flight["axes"][axis][metric.name], flight["completed"]) for flight in flights)
+            table.add_row(Text(metric.title), *cells)
     return table
 
 
@@ -115,7 +116,8 @@ def markdown(document: dict[str, Any]) -> str:
         rows = []
         for axis in AXES:
             rows += [
-                [f"{axis}: {label}", *(_written(metric, flight, axis) for flight in block)] for label, metric in ROWS
+                [f"{axis}: {metric.title}", *(_written(metric, flight, axis) for flight in block)]
+                for metric in metrics.METRICS
             ]
         lines += [*_markdown_table(header, rows), ""]
     for plants, entries in _pairs(document).items():
@@ -139,11 +141,10 @@ def tidy_csv(document: dict[str, Any]) -> str:
     writer.writerow(["plant", "controller", "axis", "metric", "value"])
     for flight in document["combinations"]:
         for axis in AXES:
-            for metric in METRICS:
-                value = flight["axes"][axis][metric]
-                writer.writerow(
-                    [flight["plant"], flight["controller"], axis, metric, "" if value is None else repr(value)]
-                )
+            for metric in metrics.METRICS:
+                value = flight["axes"][axis][metric.name]
+                written = "" if value is None else repr(value)
+                writer.writerow([flight["plant"], flight["controller"], axis, metric.name, written])
     return text.getvalue()
 
 
@@ -165,8 +166,8 @@ def _plain(value: float | None) -> str:
     return "-" if value is None else number(value, 4)
 
 
-def _written(metric: str, flight: dict[str, Any], axis: str) -> str:
-    return cell(metric, flight["axes"][axis][metric], flight["completed"]).plain.replace("\n", " ")
+def _written(metric: Metric, flight: dict[str, Any], axis: str) -> str:
+    return cell(metric, flight["axes"][axis][metric.name], flight["completed"]).plain.replace("\n", " ")
 
 
 def _markdown_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -1,4 +1,4 @@
-"""The table of metrics and the closing block on the terminal. Plain ASCII of our own, so that it prints anywhere."""
+"""The table of metrics and the closing block on the terminal. Plain ASCII, so that it prints anywhere."""
 
 from __future__ import annotations
 
@@ -10,40 +10,24 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from uavftc.analysis import metrics
+from uavftc.analysis.metrics import Metric
 from uavftc.core.signals import AXES
-
-BAND_DEG = 0.02  # deg, the band of the convergence time
-_FAR_DEG = 0.2  # deg, ten times the band
-
-ROWS = (
-    ("steady-state error [deg]", "steady_state_error_deg"),
-    ("convergence time [s]", "convergence_time_s"),
-    ("IAE [rad s]", "iae"),
-    ("ISE [rad^2 s]", "ise"),
-    ("ITAE [rad s^2]", "itae"),
-    ("ITSE [rad^2 s^2]", "itse"),
-    ("control activity [rad]", "control_activity_rad"),
-)
-"""Label and name of each metric, in the order shown."""
+from uavftc.results.summary import title_of
 
 
 def metric_table(summary: dict[str, Any]) -> Table:
-    """Return the paper's six metrics and the control activity of a `summary.json` document, one column an axis."""
+    """Return the metrics of a `summary.json` document, one column an axis."""
     table = Table(
         title=Text(title_of(summary), style="bold"), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False
     )
     table.add_column("")
     for axis in AXES:
         table.add_column(axis, justify="right", min_width=11)
-    for label, metric in ROWS:
-        cells = (cell(metric, summary["axes"][axis][metric], summary["completed"]) for axis in AXES)
-        table.add_row(Text(label), *cells)  # as Text: "[deg]" would be taken for markup
+    for metric in metrics.METRICS:
+        cells = (cell(metric, summary["axes"][axis][metric.name], summary["completed"]) for axis in AXES)
+        table.add_row(Text(metric.title), *cells)  # as Text: "[deg]" would be taken for markup
     return table
-
-
-def title_of(summary: dict[str, Any]) -> str:
-    """Return what was flown, in one line; of an aircraft given as a path its folder's name."""
-    return "{scenario}: {controller} on {name}, {plant}".format(**summary, name=Path(summary["aircraft"]).name)
 
 
 def print_result(console: Console, summary: dict[str, Any], folder: Path | None) -> None:
@@ -52,7 +36,7 @@ def print_result(console: Console, summary: dict[str, Any], folder: Path | None)
     Parameters
     ----------
     console
-        Where to; whether there is colour is its affair (NO_COLOR, a pipe).
+        Where to; it decides whether there is colour (NO_COLOR, a pipe).
     summary
         The document of `summary.json`.
     folder
@@ -80,19 +64,18 @@ def outcome_line(summary: dict[str, Any]) -> Text:
     return Text.assemble(("lost", "bold red"), f": {because}", pace)
 
 
-def cell(metric: str, value: float | None, completed: bool) -> Text:
-    """Return a metric as shown, coloured by how good it is; None is a dash, or words where it means not converged."""
+def cell(metric: Metric, value: float | None, completed: bool) -> Text:
+    """Return a metric as shown, coloured by how good it is; None is a dash, or what the metric has for it."""
     if value is None:
-        if metric == "convergence_time_s" and completed:
-            return Text("not within\nthe flight", style="yellow")
-        return Text("-", style="dim")
-    return Text(number(value, 2 if metric == "convergence_time_s" else 4), style=_style(metric, value))
+        missing = metric.missing if completed else "-"
+        return Text(missing, style="dim" if missing == "-" else "yellow")
+    return Text(number(value, metric.digits), style=_style(metric, value))
 
 
-def _style(metric: str, value: float) -> str:
-    if metric == "steady_state_error_deg":
-        return "green" if abs(value) <= BAND_DEG else "yellow" if abs(value) <= _FAR_DEG else "red"
-    return "green" if metric == "convergence_time_s" else ""
+def _style(metric: Metric, value: float) -> str:
+    if metric.good is None:
+        return ""
+    return "green" if value <= metric.good else "yellow" if value <= metric.poor else "red"
 
 
 def number(value: float, digits: int) -> str:

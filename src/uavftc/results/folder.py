@@ -1,9 +1,9 @@
 """The result folder of a flight or of another job: written whole or not at all, and nothing of the user's is ever lost.
 
 The results are written into a hidden sibling, `.<name>.partial-<pid>`, which takes the folder's place by renaming only
-once it is complete. An older folder is replaced only if it is ours: a `summary.json` of ours and no other file than
-those of one kind of result folder (`report.kinds`). Old results are removed file by file, by those names, so that a
-file which is not ours cannot be removed, whenever it appears.
+once it is complete. An older folder is replaced only if it is ours: a `summary.json` of ours, and no other files than
+those it lists, as they were written (`results.manifest`). Old results are removed file by file, by that list, so that
+a file which is not ours, or was edited, cannot be removed, whenever it appears.
 
 A kill between the two renames leaves the old folder as `.<name>.old-<pid>`; the next job into the folder puts it
 back.
@@ -14,15 +14,15 @@ from __future__ import annotations
 import os
 import re
 import shutil
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from uavftc.errors import InputError
-from uavftc.results.kinds import FLIGHT, Kind, foreign_entry, is_ours, kind_of, remove_ours
-
-KNOWN_FILES = FLIGHT.files
-"""Every file the result folder of a flight may hold; a file that is not of its folder's kind is never removed."""
+from uavftc.results import manifest
+from uavftc.results.summary import write_json
 
 _open_here: set[Path] = set()  # partial folders of this process, so that no other flight in it takes them for stale
 
@@ -36,12 +36,9 @@ class ResultFolder:
     ----------
     target
         The folder to be; a symbolic link is followed.
-    kind
-        What is written into it; what is replaced may be results of any kind.
     """
 
-    def __init__(self, target: Path, kind: Kind = FLIGHT) -> None:
-        self.kind = kind
+    def __init__(self, target: Path) -> None:
         self.target = Path(os.path.realpath(target))
         self._shown = str(target)
         self.path = self._sibling("partial", os.getpid())
@@ -53,8 +50,8 @@ class ResultFolder:
         Raises
         ------
         InputError
-            If the target is a file, a folder that is not ours or holds a file of the user's, a mount point or the
-            working folder, or if it cannot be written there.
+            If the target is a file, a folder that is not ours or holds a file that the user added or edited, a mount
+            point or the working folder, or if it cannot be written there.
         """
         target = self.target
         if os.path.lexists(target):
@@ -66,7 +63,7 @@ class ResultFolder:
                     "a folder that can be replaced as a whole",
                     f"name a folder inside it: --out {os.path.join(self._shown, 'NAME')}",
                 )
-            self._refuse_foreign(target)
+            self._refuse_what_is_not_ours(target)
             self._require_writable(target)
         parent = target.parent
         while not os.path.lexists(parent) and parent != parent.parent:
@@ -97,6 +94,15 @@ class ResultFolder:
         _open_here.add(self.path)
         return self.path
 
+    def write_summary(self, document: Mapping[str, Any]) -> dict[str, Any]:
+        """Write `summary.json`, after all other files, and return what it holds: `document` and the list of files.
+
+        The list is under the key `files`: the path of each file in the folder, with its SHA-256.
+        """
+        whole = {**document, "files": manifest.checksums(self.path)}
+        write_json(self.path / manifest.SUMMARY, whole)
+        return whole
+
     def commit(self) -> None:
         """Put the new folder in place of the old one; a second call does nothing.
 
@@ -107,24 +113,25 @@ class ResultFolder:
         """
         if self.path not in _open_here:
             return
-        stray = foreign_entry(self.path, self.kind)
-        if stray or not is_ours(self.path):  # the next flight would refuse our own folder
-            why = f"{stray} is not in KNOWN_FILES of a {self.kind.name}" if stray else "no summary"
-            raise RuntimeError(f"not a result folder: {why}")
-        old, kind = self._sibling("old", os.getpid()), self.kind
+        document = manifest.read_summary(self.path)  # what the next job into this folder will see
+        if document is None:
+            raise RuntimeError("not a result folder: no summary")
+        if stray := manifest.foreign(self.path, manifest.names_of(document)):
+            raise RuntimeError(f"not a result folder: its summary does not list {stray}")
+        old = self._sibling("old", os.getpid())
         self.check()
         if os.path.lexists(self.target):
             self._rename(self.target, old)
         try:
             if old.exists():
-                kind = self._refuse_foreign(old)  # a file put there between the look and the move
+                self._refuse_what_is_not_ours(old)  # a file put there between the look and the move
             self._rename(self.path, self.target)
         except BaseException:
             if old.exists() and not os.path.lexists(self.target):
                 old.rename(self.target)
             raise
         _open_here.discard(self.path)
-        remove_ours(old, kind)
+        manifest.remove_ours(old)
 
     def discard(self) -> None:
         """Remove the unfinished folder and the parents created for it; does nothing once committed."""
@@ -157,23 +164,17 @@ class ResultFolder:
                 str(error), "a folder that no other process writes to", "fly again, or name another folder with --out"
             ) from error
 
-    def _refuse_foreign(self, folder: Path) -> Kind:
-        """Return the kind of a folder that is empty or all ours."""
-        kind = kind_of(folder)
-        stray = foreign_entry(folder, kind)
-        if stray is not None:
-            raise self._error(
-                f"{stray}, which uavftc did not write",
-                "an empty folder, or one that holds only results of uavftc",
-                f"move {stray} elsewhere, or name another folder with --out",
-            )
-        if any(folder.iterdir()) and not is_ours(folder):
-            raise self._error(
-                "files with the names of results, but no summary.json of uavftc",
-                "an empty folder, or one that holds only results of uavftc",
-                "move the files elsewhere, or name another folder with --out",
-            )
-        return kind
+    def _refuse_what_is_not_ours(self, folder: Path) -> None:
+        document = manifest.read_summary(folder)
+        expected = "an empty folder, or one that holds only results of uavftc"
+        remedy = "move {} elsewhere, or name another folder with --out"
+        if stray := manifest.foreign(folder, manifest.names_of(document)):
+            raise self._error(f"{stray}, which uavftc did not write", expected, remedy.format(stray))
+        if document is None and any(folder.iterdir()):
+            found = "files with the names of results, but no summary.json of uavftc"
+            raise self._error(found, expected, remedy.format("the files"))
+        if document is not None and (edited := manifest.changed(folder, document)):
+            raise self._error(f"{edited}, which was changed after uavftc wrote it", expected, remedy.format(edited))
 
     def _require_writable(self, folder: Path) -> None:
         if not folder.is_dir():
@@ -188,12 +189,12 @@ class ResultFolder:
         pattern = re.compile(re.escape(f".{self.target.name}.") + r"(partial|old)-(\d+)")
         for sibling in sorted(self.target.parent.iterdir()):
             match = pattern.fullmatch(sibling.name)
-            if not match or sibling in _open_here or _alive(int(match[2])):
+            if not match or sibling.is_symlink() or sibling in _open_here or _alive(int(match[2])):
                 continue
             if match[1] == "old" and not os.path.lexists(self.target):
                 sibling.rename(self.target)
             else:
-                remove_ours(sibling, kind_of(sibling))
+                manifest.remove_ours(sibling)
 
     def _remove_created(self) -> None:
         for parent in reversed(self._created):

@@ -1,51 +1,18 @@
-"""Sinks for the history of a flight: in memory, or streamed to `history.parquet`; and the way back.
-
-A flight hands out its rows as successive chunks, each row once and in order, and each chunk in memory of its own: a
-recorder may keep it.
-"""
+"""`history.parquet`: the published columns of a flight, streamed while it flies or written at once, and read back."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol
 
 import numpy as np
 
 from uavftc.core import signals
 from uavftc.errors import InputError
+from uavftc.flight.recorder import published
 
 METADATA_PREFIX = "uavftc."
-
-
-class Recorder(Protocol):
-    """Anything that takes the chunks of a flight."""
-
-    def take(self, records: np.ndarray) -> None:
-        """Take the next rows, shape (n,), dtype `signals.ROW`; nobody changes them any more."""
-
-
-def published(records: np.ndarray) -> dict[str, np.ndarray]:
-    """Return every published column of `records` (dtype `signals.ROW`), name to shape (n,) float64; NaN is missing."""
-    return {c.name: signals.column(records, c.name) for c in signals.COLUMNS}
-
-
-class MemoryRecorder:
-    """Keeps the whole flight in memory, every field of the row included (about 0.5 kB a row)."""
-
-    def __init__(self) -> None:
-        self._chunks: list[np.ndarray] = []
-
-    def take(self, records: np.ndarray) -> None:
-        """Keep the next rows, shape (n,), dtype `signals.ROW`."""
-        self._chunks.append(records)
-
-    def records(self) -> np.ndarray:
-        """Return all rows so far, shape (N,), dtype `signals.ROW`."""
-        if len(self._chunks) != 1:
-            self._chunks = [np.concatenate(self._chunks) if self._chunks else np.empty(0, signals.ROW)]
-        return self._chunks[0]
 
 
 class ParquetRecorder:
@@ -78,9 +45,13 @@ class ParquetRecorder:
 
     def take(self, records: np.ndarray) -> None:
         """Append the next rows, shape (n,), dtype `signals.ROW`, as one row group."""
-        if len(records):
-            columns = [self._array(values, from_pandas=True) for values in published(records).values()]
-            self._writer.write_batch(self._batch(columns, schema=self._schema))
+        self.take_columns(published(records))
+
+    def take_columns(self, columns: Mapping[str, np.ndarray]) -> None:
+        """Append the next rows, published columns of shape (n,) each, as one row group."""
+        if len(columns["time_s"]):
+            arrays = [self._array(columns[name], from_pandas=True) for name in self._schema.names]
+            self._writer.write_batch(self._batch(arrays, schema=self._schema))
 
     def close(self) -> None:
         """Write the footer; without it the file cannot be read. A second call does nothing."""
@@ -95,6 +66,23 @@ class ParquetRecorder:
         self.close()
 
 
+def write_history(path: Path, columns: Mapping[str, np.ndarray], metadata: Mapping[str, str], *, chunk: int) -> None:
+    """Write a whole history, to the byte as `ParquetRecorder` streams it from a flight in chunks.
+
+    Parameters
+    ----------
+    path, metadata
+        As `ParquetRecorder` takes them.
+    columns
+        Published columns, name to shape (N + 1,).
+    chunk
+        Rows of a row group.
+    """
+    with ParquetRecorder(path, metadata) as parquet:
+        for start in range(0, len(columns["time_s"]), chunk):
+            parquet.take_columns({name: values[start : start + chunk] for name, values in columns.items()})
+
+
 def read_history(path: Path, columns: Iterable[str] | None = None) -> dict[str, np.ndarray]:
     """Return columns of a history file, name to shape (n,) float64, null as NaN.
 
@@ -103,7 +91,7 @@ def read_history(path: Path, columns: Iterable[str] | None = None) -> dict[str, 
     path
         A `history.parquet`.
     columns
-        Names wanted, in the order wanted; all of the file's when None.
+        Names, in the order of the result; all of the file's when None.
 
     Raises
     ------
@@ -113,8 +101,8 @@ def read_history(path: Path, columns: Iterable[str] | None = None) -> dict[str, 
     file = _open(path)
     with file:
         present = file.schema_arrow.names
-        wanted = list(present if columns is None else columns)
-        missing = [name for name in wanted if name not in present]
+        names = list(present if columns is None else columns)
+        missing = [name for name in names if name not in present]
         if missing:
             raise InputError(
                 str(path),
@@ -122,8 +110,8 @@ def read_history(path: Path, columns: Iterable[str] | None = None) -> dict[str, 
                 expected="a history written by uavftc-fly with these columns",
                 remedy="fly the scenario again with this version, or ask for columns the file has",
             )
-        table = file.read(columns=wanted)
-    return {name: np.array(table.column(name).to_numpy(), dtype=float) for name in wanted}
+        table = file.read(columns=names)
+    return {name: np.array(table.column(name).to_numpy(), dtype=float) for name in names}
 
 
 def read_metadata(path: Path) -> dict[str, str]:

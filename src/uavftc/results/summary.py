@@ -6,6 +6,7 @@ between two runs of the same flight.
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import platform
@@ -14,18 +15,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-METRICS = (
-    "steady_state_error_deg",
-    "convergence_time_s",
-    "iae",
-    "ise",
-    "itae",
-    "itse",
-    "control_activity_rad",
-)
-"""Figures of one axis, in the order they are written; the integrals in rad and s."""
+from uavftc.analysis import metrics
+from uavftc.core.signals import AXES
 
-_AXES = ("roll", "pitch", "yaw")  # signals.AXES, without its import of numpy
 _PACKAGES = ("uavftc", "jsbsim", "numpy", "numba")
 
 
@@ -54,7 +46,7 @@ def summary(
     ended_because, ended_at_s
         Reason and time (s) of an early end; None when completed.
     axes
-        For roll, pitch and yaw, the figures named in `METRICS`; None or NaN where one does not apply.
+        For roll, pitch and yaw, every metric of `analysis.metrics.METRICS`; None or NaN where one does not apply.
     timing
         At least `flight_wall_s`, `controller_steps` and `us_per_controller_step`.
     provenance
@@ -65,7 +57,7 @@ def summary(
     Raises
     ------
     KeyError
-        If an axis or one of its figures is missing.
+        If an axis or one of its metrics is missing.
     """
     return {
         "scenario": scenario,
@@ -75,7 +67,7 @@ def summary(
         "completed": bool(completed),
         "ended_because": ended_because,
         "ended_at_s": _plain(ended_at_s),
-        "axes": {axis: {metric: _plain(axes[axis][metric]) for metric in METRICS} for axis in _AXES},
+        "axes": {axis: {m.name: _plain(axes[axis][m.name]) for m in metrics.METRICS} for axis in AXES},
         "timing": _plain(timing),
         "warnings": list(warnings),
         "provenance": _plain(provenance),
@@ -87,22 +79,32 @@ def provenance(
 ) -> dict[str, Any]:
     """Return what the flight was made from: versions, seed and checksums, and whatever else is given.
 
-    A package that is not installed has the version None. Nothing heavy is imported.
+    A package that is not installed has the version None. None of them is imported for it.
     """
-    versions: dict[str, Any] = {}
-    for package in _PACKAGES:
-        try:
-            versions[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            versions[package] = None
     return {
-        **versions,
+        **_versions(),
         "python": platform.python_version(),
         "seed": seed,
         "scenario_sha256": scenario_sha256,
         "aircraft_sha256": aircraft_sha256,
         **extra,
     }
+
+
+@functools.cache
+def _versions() -> dict[str, str | None]:
+    versions: dict[str, str | None] = {}
+    for package in _PACKAGES:
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            versions[package] = None
+    return versions
+
+
+def title_of(document: Mapping[str, Any]) -> str:
+    """Return what was flown, in one line; of an aircraft given as a path its folder's name."""
+    return "{scenario}: {controller} on {name}, {plant}".format(**document, name=Path(document["aircraft"]).name)
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:

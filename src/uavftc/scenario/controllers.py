@@ -1,119 +1,65 @@
-"""The `controller` section: an outer law on the attitude, an inner law on the body rates; or a module of one's own.
+"""The `controller` section: an outer law on the attitude, an inner law on the body rates; or a custom module.
 
-Defaults are the paper's (section 4); lists of three mean [phi, theta, psi] in the outer law and [roll, pitch, yaw] or
-[aileron, elevator, rudder] in the inner one.
+The kinds are those of `control.outer.KINDS` and `control.inner.KINDS`, each with its `Config`. Defaults are the
+paper's (section 4); lists of three mean [phi, theta, psi] in the outer law and [roll, pitch, yaw] or [aileron,
+elevator, rudder] in the inner one.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from uavftc.config.values import (
-    Matrix3,
-    Model,
-    NonNegative,
-    Number,
-    Positive,
-    PositiveVector3,
-    Problem,
-    list_of,
-    refusal,
-)
-from uavftc.control.inner.matrices import hurwitz, invertible, positive_definite
+from uavftc.actuators import CHAIN
+from uavftc.config.effect import configs, default_kind
+from uavftc.config.values import Model, Positive, Problem, refusal
+from uavftc.control import inner, outer
 
-A_M = ((-8.5, 1.2, -3.5), (-1.5, -1.5, -1.0), (-0.02, 0.0, -2.0))  # 1/s, paper section 4
-IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-ZEROS = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-BOUNDS = "[lower, upper] with 0 < lower <= 1 <= upper and lower < upper"
+LOOPS = {"outer": outer, "inner": inner}
+"""The two loops by their key in a scenario; each has `KINDS` and a `DEFAULT`."""
 
 
-def _bounds(value: tuple[float, float]) -> tuple[float, float]:
-    """The estimate of the effectiveness starts at 1, so 1 must lie within its bounds."""
-    if not 0 < value[0] <= 1 <= value[1] or value[0] == value[1]:
-        raise PydanticCustomError("shape", "{wanted}", {"wanted": BOUNDS})
-    return value
+def kinds(loop: str) -> dict[str, Any]:
+    """Return the laws of a loop by their kind."""
+    return {default_kind(law.Config): law for law in LOOPS[loop].KINDS}
 
 
-class Rbf(Model):
-    """Radial basis network "6-5-1": five Gaussians over the six inputs [x1; x2], rad and rad/s."""
-
-    centres: Annotated[
-        tuple[Number, Number, Number, Number, Number],
-        list_of(5, "a list of five numbers, one centre for each hidden node"),
-    ] = (-0.2, -0.1, 0.0, 0.1, 0.2)
-    width: Positive = 0.4
+def spelling(outer_kind: str, inner_kind: str) -> str:
+    """Return the name of a pair of kinds: nndo-ndi and l1 are ``nndondi-l1``."""
+    return f"{outer_kind.replace('-', '')}-{inner_kind}"
 
 
-class NdiOuter(Model):
-    """Nonlinear dynamic inversion, v1 = g1^-1 D (x1c - x1); `bandwidth` is the diagonal of D, rad/s."""
-
-    kind: Literal["ndi"] = "ndi"
-    bandwidth: PositiveVector3 = (0.5, 0.5, 0.5)
+CONTROLLERS = {spelling(o, i): (o, i) for o in kinds("outer") for i in kinds("inner")}
+"""Controller names as `--controller` takes them, with the kinds of the outer and inner loop."""
 
 
-class NndoNdiOuter(Model):
-    """NDI with the neural network disturbance observer, eqs. (8)-(16): `sigma` in 1/s, `gamma` the learning gain."""
-
-    kind: Literal["nndo-ndi"] = "nndo-ndi"
-    bandwidth: PositiveVector3 = (0.5, 0.5, 0.5)
-    sigma: PositiveVector3 = (0.5, 0.5, 0.5)
-    gamma: Positive = 0.05
-    rbf: Rbf = Rbf()
+def _any_of(loop: str) -> Any:
+    """Return the type of any of a loop's sections; without a kind it is the default one's."""
+    return reduce(or_, [law.Config for law in LOOPS[loop].KINDS])
 
 
-class _AdaptiveInner(Model):
-    """What L1 and MRAC share: state predictor and adaptive laws of eqs. (28)-(31)."""
-
-    adaptation_gain: Positive = 1e5
-    A_m: Matrix3 = A_M
-    K_1: Matrix3 = IDENTITY
-    Q: Matrix3 = IDENTITY
-    B_m: Matrix3 | None = None
-    K_0: Matrix3 = ZEROS
-    effectiveness_bounds: Annotated[tuple[Number, Number], list_of(2, BOUNDS), AfterValidator(_bounds)] = (0.1, 2.0)
-    weight_bound: Positive = 50.0
-    offset_bound: Positive = 50.0
-    reference_gain: Literal["plant", "printed"] = "plant"
-    integration: Literal["implicit", "explicit"] = "implicit"
-    rbf: Rbf = Rbf()
-
-    @model_validator(mode="after")
-    def _matrices(self) -> _AdaptiveInner:
-        problems = [*hurwitz(self.A_m, self.K_1), *positive_definite(self.Q), *invertible(self.B_m)]
-        if problems:
-            raise refusal(problems)
-        return self
+_LOOP_KEYS = tuple(reversed(configs(CHAIN, "KEYS_IN", "controller")))
 
 
-class L1Inner(_AdaptiveInner):
-    """L1 adaptive control, eqs. (28)-(35); `filter_bandwidth` in rad/s."""
-
-    kind: Literal["l1"] = "l1"
-    filter_bandwidth: Positive = 60.0
-
-
-class MracInner(_AdaptiveInner):
-    """Model reference adaptive control: the same predictor and laws without the low-pass filter."""
-
-    kind: Literal["mrac"] = "mrac"
-
-
-OUTER = {"ndi": NdiOuter, "nndo-ndi": NndoNdiOuter}
-INNER = {"l1": L1Inner, "mrac": MracInner}
-DEFAULT_OUTER, DEFAULT_INNER = "nndo-ndi", "l1"
-
-
-class Controller(Model):
-    """Both loops, the rate at which they run, Hz, and a delay between command and surface, s."""
-
-    outer: Annotated[NdiOuter | NndoNdiOuter, Field(discriminator="kind")] = NndoNdiOuter()
-    inner: Annotated[L1Inner | MracInner, Field(discriminator="kind")] = L1Inner()
+class _Loops(Model):
+    outer: Annotated[_any_of("outer"), Field(discriminator="kind")] = outer.DEFAULT.Config()  # type: ignore[valid-type]
+    """law on the attitude"""
+    inner: Annotated[_any_of("inner"), Field(discriminator="kind")] = inner.DEFAULT.Config()  # type: ignore[valid-type]
+    """law on the body rates"""
     rate_hz: Annotated[Positive, Field(le=10_000)] = 200.0
-    delay_s: NonNegative = 0.0
+    """rate at which both run, up to 10000"""
+
+
+class Controller(*_LOOP_KEYS, _Loops):  # type: ignore[misc]
+    """Both loops, the rate at which they run, Hz, and what lies between a command and a surface."""
+
+    remedies: ClassVar[dict[str, str]] = {
+        "options": "remove it, or name the module of your custom controller with kind (docs/custom-controller.md)"
+    }
 
     @model_validator(mode="before")
     @classmethod
@@ -121,10 +67,10 @@ class Controller(Model):
         """A loop written without its kind has the default one."""
         if not isinstance(data, dict):
             return data
-        data = {key: value for key, value in data.items() if not (key in ("outer", "inner") and value is None)}
-        for part, kind in (("outer", DEFAULT_OUTER), ("inner", DEFAULT_INNER)):
+        data = {key: value for key, value in data.items() if not (key in LOOPS and value is None)}
+        for part, loop in LOOPS.items():
             if isinstance(data.get(part), dict) and "kind" not in data[part]:
-                data[part] = {"kind": kind, **data[part]}
+                data[part] = {"kind": default_kind(loop.DEFAULT.Config), **data[part]}
         return data
 
 
@@ -144,29 +90,38 @@ def _plain(value: Any, key: tuple[str | int, ...]) -> list[Problem]:
     return [Problem(key, str(value)[:40], expected, "write it as one of these, such as a text")]
 
 
-class OwnController(Model):
-    """A controller of one's own in the place of both loops: a module (docs/custom-controller.md) and its options."""
-
+class _Module(Model):
     kind: Annotated[str, Field(min_length=1, max_length=4096)]
+    """`pid` or `lqi`, which are shipped; the path of a `.py` file; `my_package.my_module`; or the name of an entry
+    point"""
     options: Annotated[dict[str, Any], BeforeValidator(lambda value: {} if value is None else value)] = Field(
         default_factory=dict
     )
+    """handed to the module: finite numbers, texts, `true`, `false`, `null`, lists and maps, at will"""
     rate_hz: Annotated[Positive, Field(le=10_000)] = 200.0
-    delay_s: NonNegative = 0.0
+    """rate at which it runs, up to 10000"""
+
+
+class CustomController(*_LOOP_KEYS, _Module):  # type: ignore[misc]
+    """A custom controller in the place of both loops: a module (docs/custom-controller.md) and its options."""
+
+    remedies: ClassVar[dict[str, str]] = dict.fromkeys(
+        LOOPS, "remove it: a controller with a kind takes the place of both loops (as --controller does)"
+    )
 
     @model_validator(mode="after")
-    def _options(self) -> OwnController:
+    def _options(self) -> CustomController:
         if problems := _plain(self.options, ("options",)):
             raise refusal(problems)
         return self
 
 
-def _own_or_loops(value: Any) -> str:
-    own = isinstance(value, OwnController) or (isinstance(value, dict) and "kind" in value)
-    return "OwnController" if own else "Controller"
+def _custom_or_loops(value: Any) -> str:
+    custom = isinstance(value, CustomController) or (isinstance(value, dict) and "kind" in value)
+    return "CustomController" if custom else "Controller"
 
 
 AnyController = Annotated[
-    Annotated[Controller, Tag("Controller")] | Annotated[OwnController, Tag("OwnController")],
-    Discriminator(_own_or_loops),
+    Annotated[Controller, Tag("Controller")] | Annotated[CustomController, Tag("CustomController")],
+    Discriminator(_custom_or_loops),
 ]

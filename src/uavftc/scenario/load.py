@@ -14,8 +14,8 @@ from uavftc.config.document import Document, parse
 from uavftc.config.explain import describe, explain
 from uavftc.errors import InputError, join
 from uavftc.scenario.checks import warnings
-from uavftc.scenario.controllers import OwnController
-from uavftc.scenario.overrides import apply, controller_spelling, own_name, resolve_controller, set_controller
+from uavftc.scenario.controllers import CustomController, spelling
+from uavftc.scenario.overrides import apply, custom_name, resolve_controller, set_controller
 from uavftc.scenario.schema import Scenario
 from uavftc.scenario.text import scenario_text
 
@@ -45,7 +45,7 @@ def load_scenario(
         folder of the file when the file has it.
     controller
         ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know. Any
-        other name, or the path of a .py file, is that of an own controller (docs/custom-controller.md).
+        other name, or the path of a .py file, is that of a custom controller (docs/custom-controller.md).
 
     Raises
     ------
@@ -67,15 +67,15 @@ def load_scenario(
     try:
         return Scenario.model_validate(document.data)
     except ValidationError as error:
-        raise join(explain(error, document)) from None
+        raise join(explain(error, document, Scenario)) from None
 
 
 def controller_name(scenario: Scenario) -> str:
-    """Return the controller's name as `--controller` takes it, such as ``nndondi-l1``; of an own one a short name."""
+    """Return the controller's name as `--controller` takes it, such as ``nndondi-l1``; of a custom one a short name."""
     controller = scenario.controller
-    if isinstance(controller, OwnController):
-        return own_name(controller.kind)
-    return controller_spelling(controller.outer.kind, controller.inner.kind)
+    if isinstance(controller, CustomController):
+        return custom_name(controller.kind)
+    return spelling(controller.outer.kind, controller.inner.kind)
 
 
 def find_scenario(source: str | Path) -> Path:

@@ -10,27 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from uavftc.config.document import Document, Key, parse
+from uavftc.config.effect import default_kind
 from uavftc.config.values import key_text
 from uavftc.control.custom.module import HOW, SHIPPED, is_path, is_there, registered
 from uavftc.errors import InputError
-from uavftc.scenario.controllers import DEFAULT_INNER, DEFAULT_OUTER, INNER, OUTER
-
-_SPELLING = {"ndi": "ndi", "nndo-ndi": "nndondi"}
-CONTROLLERS = {f"{_SPELLING[o]}-{i}": (o, i) for o in OUTER for i in INNER}
-"""Controller names as `--controller` takes them, with the kinds of the outer and inner loop."""
+from uavftc.scenario.controllers import CONTROLLERS, LOOPS, kinds
 
 _PART = re.compile(r"([A-Za-z_][A-Za-z0-9_-]*|[0-9]+)((?:\[[0-9]+\])*)")
 
 
-def controller_spelling(outer: str, inner: str) -> str:
-    """Return the name of a pair of kinds: nndo-ndi and l1 are ``nndondi-l1``."""
-    return f"{_SPELLING[outer]}-{inner}"
-
-
 def set_controller(document: Document, name: str) -> None:
-    """Set the two kinds, or the one of an own controller; what the new kinds lack is dropped, the others kept.
+    """Set the two kinds, or the one of a custom controller; what the new kinds lack is dropped, the others kept.
 
-    A name that is no pair of kinds is taken for an own controller's; `resolve_controller` tells if it is none.
+    A name that is no pair of kinds is taken for a custom controller's; `resolve_controller` tells if it is none.
     """
     if document.data.get("controller") is None:
         document.data["controller"] = {}
@@ -46,24 +38,21 @@ def set_controller(document: Document, name: str) -> None:
         section["kind"] = name
         document.put(("controller", "kind"), f"--controller {name}")
         return
-    known: tuple[tuple[str, dict[str, Any], str], ...] = (
-        ("outer", OUTER, DEFAULT_OUTER),
-        ("inner", INNER, DEFAULT_INNER),
-    )
-    for (part, models, default), kind in zip(known, CONTROLLERS[name], strict=True):
+    for part, kind in zip(LOOPS, CONTROLLERS[name], strict=True):
+        models, default = kinds(part), default_kind(LOOPS[part].DEFAULT.Config)
         loop = section.get(part)
         if loop is None:
             loop = {}
         if not isinstance(loop, dict):
             continue
         old = models.get(str(loop.get("kind", default)))
-        lacking = set(old.model_fields) - set(models[kind].model_fields) if old else set()
+        lacking = set(old.Config.model_fields) - set(models[kind].Config.model_fields) if old else set()
         section[part] = {**{k: v for k, v in loop.items() if k not in lacking}, "kind": kind}
         document.places[("controller", part, "kind")] = f"--controller {name}"
 
 
-def own_name(kind: str) -> str:
-    """Return a short name, fit for a folder, of an own controller: the last part of its import path, or its stem."""
+def custom_name(kind: str) -> str:
+    """Return a short name, fit for a folder, of a custom controller: the last part of its import path, or its stem."""
     last = re.split(r"[/\\]", kind.removesuffix(".py"))[-1] if is_path(kind) else kind.rpartition(".")[2]
     name = re.sub(r"[^A-Za-z0-9_-]", "_", last)[:100]
     taken = name in CONTROLLERS or (name in SHIPPED and kind != name) or not name[:1].isalnum()
@@ -71,7 +60,7 @@ def own_name(kind: str) -> str:
 
 
 def resolve_controller(document: Document, folder: Path) -> None:
-    """Make the path of an own controller absolute, and see that one by name is there.
+    """Make the path of a custom controller absolute, and see that one by name is there.
 
     A path starts at `folder`, then at the working directory; given as an option, at the working directory.
 

@@ -3,92 +3,67 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    create_model,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
-from uavftc.config.values import Model, NonNegative, Number, Positive, Signal, Vector3, Whole, refusal
-from uavftc.core.signals import SURFACES
+from uavftc.actuators import CHAIN
+from uavftc.actuators.saturation import limits_rad
+from uavftc.config.effect import configs, default_kind, section
+from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Whole, refusal
+from uavftc.environment import KINDS
 from uavftc.scenario.checks import problems
 from uavftc.scenario.controllers import AnyController, Controller
-from uavftc.scenario.disturbances import ZERO, Disturbance, Window
+from uavftc.sensors import CHAIN as SENSORS
 
 MAX_PLANT_STEP_S = 5e-3  # s; the JSBSim integrators are at home at 120-200 Hz
-SECTIONS = ("initial", "reference", "controller", "faults", "disturbances", "sensors", "envelope", "simulation")
-"""Sections that may be left out or null: both mean their defaults."""
 
 
 class Initial(Model):
     """Condition at t = 0; null is the aircraft's own."""
 
     airspeed_mps: Positive | None = None
+    """true airspeed at t = 0, > 0; `null` is the aircraft's own, or else the lowest with ample authority
+    for the reference"""
     altitude_m: Positive | None = None
+    """altitude above mean sea level at t = 0, > 0; `null` is the aircraft's own, or else 1500"""
 
 
 class Reference(Model):
     """Commanded change from the trim attitude, deg: numbers or expressions of t."""
 
     phi_deg: Signal = ZERO
+    """signal: commanded change of bank from the trim attitude"""
     theta_deg: Signal = ZERO
+    """signal: of pitch"""
     psi_deg: Signal = ZERO
-
-
-class Limits(Model):
-    """Limits of a commanded deflection about trim, rad."""
-
-    min_rad: Annotated[Number, Field(le=0)]
-    max_rad: Number
-
-    @field_validator("max_rad")
-    @classmethod
-    def _ordered(cls, max_rad: float, info: ValidationInfo) -> float:
-        if max_rad < 0 or max_rad <= info.data.get("min_rad", -math.inf):
-            raise PydanticCustomError("limits", "min <= 0 <= max and min < max")
-        return max_rad
-
-
-class SurfaceLimits(Model):
-    """Limits of each surface; null is unlimited."""
-
-    aileron: Limits | None = None
-    elevator: Limits | None = None
-    rudder: Limits | None = None
-
-
-def _limits_or_surfaces(value: Any) -> str:
-    per_surface = isinstance(value, SurfaceLimits) or (isinstance(value, dict) and any(s in value for s in SURFACES))
-    return "SurfaceLimits" if per_surface else "Limits"
-
-
-Saturation = Annotated[
-    Annotated[Limits, Tag("Limits")] | Annotated[SurfaceLimits, Tag("SurfaceLimits")],
-    Discriminator(_limits_or_surfaces),
-]
-
-
-class Fault(Window):
-    """A surface at `effectiveness` times its limited command, plus `bias_deg`, on [start_s, end_s)."""
-
-    surface: Literal["aileron", "elevator", "rudder"]
-    effectiveness: Signal = Signal(1.0)
-    bias_deg: Signal = ZERO
-
-
-class Sensors(Model):
-    """What the controller is shown: body rates plus a constant bias [p, q, r], deg/s."""
-
-    gyro_bias_degps: Vector3 = (0.0, 0.0, 0.0)
+    """signal: of heading"""
 
 
 class Envelope(Model):
     """Outside it the vehicle is lost. Null airspeeds are half and twice the airspeed at t = 0."""
 
     bank_deg: Annotated[Positive, Field(le=180)] = 90.0
+    """largest bank to either side, up to 180"""
     pitch_deg: Annotated[Positive, Field(le=90)] = 80.0
+    """largest pitch up or down, up to 90"""
     min_airspeed_mps: NonNegative | None = None
+    """`null` is half the airspeed at t = 0"""
     max_airspeed_mps: Positive | None = None
+    """`null` is twice the airspeed at t = 0"""
 
     @field_validator("max_airspeed_mps")
     @classmethod
@@ -103,9 +78,75 @@ class Simulation(Model):
     """How the plant is stepped: `substeps` plant steps a controller step; null chooses steps of at most 5 ms."""
 
     substeps: Annotated[Whole, Field(ge=1, le=1000)] | None = None
+    """plant steps in one controller step, 1 to 1000; `null` is the fewest with steps of at most 5 ms"""
 
 
-class Scenario(Model):
+FAULTS = configs(CHAIN, "ENTRY_OF", "faults")
+
+
+def _kind(entry: Any) -> str:
+    """Return the kind of a fault's entry; without one it is the first of the chain's, that of the paper."""
+    default = default_kind(FAULTS[0])
+    return str(entry.get("kind", default) if isinstance(entry, dict) else getattr(entry, "kind", default))
+
+
+if TYPE_CHECKING:  # what is put together from the effects is known when it is imported
+    Fault = Any
+    Disturbance = Any
+    Sensors = Any
+    Actuators = Any
+else:
+    _faults = [Annotated[config, Tag(default_kind(config))] for config in FAULTS]
+    Fault = Annotated[reduce(or_, _faults), Discriminator(_kind)] if len(FAULTS) > 1 else FAULTS[0]
+    Disturbance = Annotated[reduce(or_, configs(KINDS, "ENTRY_OF", "disturbances")), Field(discriminator="kind")]
+    Sensors = section("sensors", SENSORS, "What the controller is shown: the errors of the sensors.", __name__)
+    Actuators = section("actuators", CHAIN, "What the actuators do by themselves.", __name__)
+
+
+def _chain_sections() -> dict[str, Any]:
+    """Return the sections of the actuators' chain with their defaults, as `create_model` takes them."""
+    found = {
+        effect.SECTION: (effect.Config | None, Field(None, description=f"[{effect.SECTION}](#{effect.SECTION})"))
+        for effect in CHAIN
+        if hasattr(effect, "SECTION")
+    }
+    if configs(CHAIN, "KEYS_IN", "actuators"):
+        found["actuators"] = (Actuators, Actuators())
+    return found
+
+
+class _Head(Model):
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
+    """letters, digits, `.`, `-`, `_`, at most 100, beginning with a letter or digit; names the result folder"""
+    description: str = ""
+    """free text"""
+    duration_s: Positive
+    """length of the flight; a whole number of controller steps, at most 20 million"""
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
+    """whole number from 0 to 2^63 - 1, for everything random"""
+    plant: Literal["jsbsim", "analytic"] = "jsbsim"
+    """`jsbsim`: six degrees of freedom. `analytic`: the rotational model of the paper, eqs. (1)-(7)"""
+    aircraft: Annotated[str, Field(min_length=1, max_length=4096)] = "hale"
+    """a shipped aircraft, `jsbsim:NAME` for one of JSBSim's own (`uavftc aircraft` lists them), or the path of a folder
+    ([new-aircraft.md](new-aircraft.md))"""
+    initial: Initial = Initial()
+    """[initial](#initial) condition"""
+    reference: Reference = Reference()
+    """[reference](#reference) attitude"""
+    controller: AnyController = Controller()
+    """[controller](#controller), its rate and delay"""
+
+
+if TYPE_CHECKING:
+
+    class _Chains(_Head):
+        def __getattr__(self, name: str) -> Any:
+            """A section of the actuators' chain."""
+else:
+    _Chains = create_model("_Chains", __base__=_Head, **_chain_sections())
+
+
+class Scenario(_Chains):
     """A flight: what is flown, by which controller, against which limits, faults and disturbances.
 
     Raises
@@ -114,28 +155,24 @@ class Scenario(Model):
         If a value or a combination of values is wrong; `uavftc.scenario.load` turns it into an `InputError`.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
-    description: str = ""
-    duration_s: Positive
-    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
-    plant: Literal["jsbsim", "analytic"] = "jsbsim"
-    aircraft: Annotated[str, Field(min_length=1, max_length=4096)] = "hale"
-    initial: Initial = Initial()
-    reference: Reference = Reference()
-    controller: AnyController = Controller()
-    saturation: Saturation | None = None
     faults: tuple[Fault, ...] = ()
+    """[actuator faults](#faults)"""
     disturbances: tuple[Disturbance, ...] = ()
+    """[disturbances](#disturbances)"""
     sensors: Sensors = Sensors()
+    """[sensors](#sensors)"""
     envelope: Envelope = Envelope()
+    """[where the vehicle is lost](#envelope)"""
     simulation: Simulation = Simulation()
+    """[how the plant is stepped](#simulation)"""
 
     @model_validator(mode="before")
     @classmethod
     def _null_sections(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        return {key: value for key, value in data.items() if not (key in SECTIONS and value is None)}
+        sections = {name for name, field in cls.model_fields.items() if isinstance(field.default, BaseModel | tuple)}
+        return {key: value for key, value in data.items() if not (key in sections and value is None)}
 
     @model_validator(mode="after")
     def _checked(self) -> Scenario:
@@ -161,10 +198,4 @@ class Scenario(Model):
 
     def limits_rad(self) -> np.ndarray:
         """Return the limits about trim, rad, shape (3, 2): [min, max] of aileron, elevator, rudder; inf is none."""
-        table = np.array([[-np.inf, np.inf]] * 3)
-        for i, surface in enumerate(SURFACES):
-            s = self.saturation
-            limits = getattr(s, surface) if isinstance(s, SurfaceLimits) else s
-            if limits is not None:
-                table[i] = limits.min_rad, limits.max_rad
-        return table
+        return limits_rad(self.saturation)

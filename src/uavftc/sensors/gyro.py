@@ -1,27 +1,37 @@
-"""What the controller is shown: exact attitude, and body rates with the bias of a rate gyro.
-
-x1_meas = x1,   x2_meas = x2 + b
-"""
+"""The bias of a rate gyro: x2_meas = x2_meas + b."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from uavftc.core.stage import NOTHING, Stage, carray, law
+from uavftc.config.values import Model, Vector3
+from uavftc.core.given import Given
+from uavftc.core.stage import NOTHING, Block, Stage, law, params_of
+
+KEYS_IN = "sensors"
 
 PARAMS = np.dtype([("bias", "f8", (3,))])  # b, rad/s
 STATE = NOTHING
 
 
+class Config(Model):
+    """A constant bias of the measured body rates."""
+
+    gyro_bias_degps: Vector3 = (0.0, 0.0, 0.0)
+    """constant bias of the measured [p, q, r]"""
+
+
 @law
 def step(p, s, row):
-    """Write x1_meas and x2_meas into the row."""
+    """Add the bias to x2_meas in place."""
     for i in range(3):
-        row.x1_meas[i] = row.x1[i]
-        row.x2_meas[i] = row.x2[i] + p.bias[i]
+        row.x2_meas[i] += p.bias[i]
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["x2_meas"], writes=["x2_meas"])
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the bias; none where it is zero on every axis."""
+    bias = np.radians(config.gyro_bias_degps)
+    return [stage.block(params_of(PARAMS, bias=bias))] if bias.any() else []

@@ -9,43 +9,30 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
 
 from uavftc.control.custom.checks import CREATE, PARAMETERS, STEP, call, require, shown, three_numbers
 from uavftc.control.custom.module import failed, load, told
+from uavftc.core.given import ControlDesign
+from uavftc.core.program import Program
 from uavftc.core.signals import ROW, as_records, empty_rows
-from uavftc.core.stage import NOTHING, RAW, Block, Program, PythonBlock, Stage, StepFailed, carray
+from uavftc.core.stage import COMPILED, RAW, Block, PythonBlock, Stage, StepFailed, law
 from uavftc.errors import InputError
 
 TELEMETRY = ("v1", "d1_hat", "f_hat")
 _TRIAL_RAD = 0.01  # commanded change of attitude of the trial: small against any limit
 
 
-class ControlDesign(NamedTuple):
-    """What a controller may be designed from: x2' = A x2 + B v2 about the trim, and where v2 is cut off."""
-
-    A: np.ndarray
-    """Rotational state matrix, shape (3, 3), 1/s, of x2 = [p, q, r]."""
-    B: np.ndarray
-    """Control matrix, shape (3, 3), 1/s^2 per rad of [aileron, elevator, rudder]."""
-    limits_rad: np.ndarray
-    """Least and greatest deflection about trim, shape (3, 2), rad: saturation and stops, inf where there are none."""
-    x1_trim: np.ndarray
-    """Attitude of the trim [phi, theta, psi], shape (3,), rad."""
-    name: str
-    """Of the aircraft."""
-
-
-def own_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[str, Any]) -> list[Block | PythonBlock]:
+def custom_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[str, Any]) -> list[Block | PythonBlock]:
     """Return the controller of a module as blocks, tried before.
 
     Parameters
     ----------
     kind
-        What `own_module.load` takes; a path is absolute.
+        What `module.load` takes; a path is absolute.
     design, h, options
         Handed to the module, copies each time: the design, the sample time, s, and the user's options.
 
@@ -64,14 +51,14 @@ def own_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[str,
         return copy.deepcopy(design), h, copy.deepcopy(dict(options))
 
     if create is None and (stage is not None or hasattr(module, "PARAMS")):
-        return [unknown.block(), _compiled(module, file, given)]
+        return [unknown.block(name="unknown"), _compiled(module, file, given)]
     if create is None:
         found = "neither create nor PARAMS, STATE, stage and params"
         expected = f"the function {CREATE}, which returns {STEP}"
         raise InputError(
             file, found=found, expected=expected, remedy="see docs/custom-controller.md, or pid, for a template"
         )
-    return [unknown.block(), _python(create, file, given)]
+    return [unknown.block(name="unknown"), _python(create, file, given)]
 
 
 def positive_options(options: Mapping[str, Any], **defaults: float) -> dict[str, float]:
@@ -94,14 +81,16 @@ def positive_options(options: Mapping[str, Any], **defaults: float) -> dict[str,
     return {name: float(options.get(name, value)) for name, value in defaults.items()}
 
 
-@Stage(NOTHING, NOTHING)
-def unknown(p, s, row):
-    """Write nan where a controller may tell what it estimates: what it does not tell is missing, not zero."""
-    signals = carray(row, 1)[0]
+@law
+def _write_nan(p, s, row):
+    """Write nan where a controller may say what it estimates: what it does not say is missing, not zero."""
     for i in range(3):
-        signals.d1_hat[i] = np.nan
-        signals.v1[i] = np.nan
-        signals.f_hat[i] = np.nan
+        row.d1_hat[i] = np.nan
+        row.v1[i] = np.nan
+        row.f_hat[i] = np.nan
+
+
+unknown = Stage(_write_nan, reads=[], writes=["d1_hat", "v1", "f_hat"])
 
 
 # --- plain Python ----------------------------------------------------------------------------------------------------
@@ -120,7 +109,9 @@ def _python(create: Any, file: str, given: Callable[[], tuple[ControlDesign, flo
         for name in TELEMETRY:
             if name in telemetry:
                 three_numbers(telemetry[name], file, STEP, f"three numbers as {name}", finite=False)
-    return PythonBlock(_in_flight(call(create, given(), file, CREATE), file))  # a fresh one: the trial left no trace
+    return PythonBlock(
+        "custom", _in_flight(call(create, given(), file, CREATE), file)
+    )  # a fresh one: the trial left no trace
 
 
 def _parts(result: Any) -> tuple[Any, dict[str, Any]]:
@@ -175,21 +166,23 @@ def _compiled(module: Any, file: str, given: Callable[[], tuple[ControlDesign, f
             file,
             found="no stage" if stage is None else f"stage: {shown(stage)}",
             expected="stage, a uavftc.core.stage.Stage of PARAMS and STATE",
-            remedy="decorate the entry with @Stage(PARAMS, STATE)",
+            remedy="define stage = Stage(step, PARAMS, STATE)",
         )
     require(getattr(module, "params", None), file, PARAMETERS)
     try:
-        assert stage.address
+        assert not COMPILED or stage.address
     except Exception as error:
         raise _not_compiled(error, file) from None
 
     def fresh() -> Block:
         params = _record(call(module.params, given(), file, PARAMETERS), module.PARAMS, file, PARAMETERS)
         if not hasattr(module, "state"):
-            return stage.block(params)
+            return stage.block(params, name="custom")
         name = PARAMETERS.replace("params", "state")
         require(module.state, file, name)
-        return stage.block(params, _record(call(module.state, given(), file, name), module.STATE, file, name))
+        return stage.block(
+            params, _record(call(module.state, given(), file, name), module.STATE, file, name), name="custom"
+        )
 
     rows = empty_rows(2)
     trial, (design, h, _) = as_records(rows), given()

@@ -15,12 +15,13 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from uavftc.control import whole
 from uavftc.errors import InputError
 
 GROUP = "uavftc.controllers"
 """Group of the entry points by which an installed package gives its controllers short names."""
 
-SHIPPED = {"pid": "uavftc.control.whole.pid", "lqi": "uavftc.control.whole.lqi"}
+SHIPPED = {name: f"{whole.__name__}.{name}" for name in whole.NAMES}
 """The project's own entry points in GROUP, there in a checkout without metadata too; nobody else's replace them."""
 
 HOW = "./my_controller.py, or my_package.my_module for one that can be imported (see docs/custom-controller.md)"
@@ -104,7 +105,7 @@ def _from_file(path: Path) -> ModuleType:
     """Return the module of a file, run once for each content; no __pycache__ is left beside it."""
     source = path.read_bytes()
     digest = hashlib.sha256(str(path).encode() + b"\0" + source).hexdigest()[:12]
-    name = f"own_controller_{re.sub(r'[^A-Za-z0-9_]', '_', path.stem)}_{digest}"
+    name = f"custom_controller_{re.sub(r'[^A-Za-z0-9_]', '_', path.stem)}_{digest}"
     if name in sys.modules:
         return sys.modules[name]
     module = ModuleType(name)

@@ -1,1 +1,9 @@
-"""Inner loop: body-rate command to deflections."""
+"""Inner loop: body-rate command to deflections; one law a file."""
+
+from __future__ import annotations
+
+from uavftc.control.inner import l1, mrac
+
+KINDS = (l1, mrac)
+DEFAULT = l1
+"""The kind where a scenario names none."""

@@ -20,13 +20,24 @@ Backward Euler in its place doubles the distance to the continuous limit.
 from __future__ import annotations
 
 from math import exp
+from typing import Literal
 
 import numpy as np
 
-from uavftc.control.inner.predictor import PREDICTOR_PARAMS, PREDICTOR_STATE, advance, lumped, start
+from uavftc.config.values import Positive
+from uavftc.control.inner.predictor import (
+    PREDICTOR_PARAMS,
+    PREDICTOR_STATE,
+    PredictorConfig,
+    advance,
+    lumped,
+    predictor_params,
+    start,
+)
 from uavftc.control.rbf import basis
+from uavftc.core.given import Given
 from uavftc.core.linear3 import multiply, multiply_transposed
-from uavftc.core.stage import Stage, carray, law
+from uavftc.core.stage import Block, Stage, law, params_of
 
 PARAMS = np.dtype(
     [
@@ -37,6 +48,15 @@ PARAMS = np.dtype(
     ]
 )
 STATE = np.dtype(PREDICTOR_STATE)
+
+
+class Config(PredictorConfig):
+    """L1 adaptive control, eqs. (28)-(35); `filter_bandwidth` in rad/s."""
+
+    kind: Literal["l1"] = "l1"
+    """L1 adaptive control"""
+    filter_bandwidth: Positive = 60.0
+    """bandwidth k of the filter C(s), rad/s, > 0"""
 
 
 @law
@@ -60,7 +80,9 @@ def step(p, s, row):
     row.f_hat[0], row.f_hat[1], row.f_hat[2] = multiply(p.B_m, f)
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["x1_meas", "x2_meas", "v1"], writes=["v2", "f_hat"])
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the law, its gains computed from the design matrices."""
+    return [stage.block(params_of(PARAMS, **predictor_params(config, given), filter_bandwidth=config.filter_bandwidth))]

@@ -11,12 +11,23 @@ on, where the L1 filter still stands at zero.
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
-from uavftc.control.inner.predictor import PREDICTOR_PARAMS, PREDICTOR_STATE, advance, lumped, start
+from uavftc.control.inner.predictor import (
+    PREDICTOR_PARAMS,
+    PREDICTOR_STATE,
+    PredictorConfig,
+    advance,
+    lumped,
+    predictor_params,
+    start,
+)
 from uavftc.control.rbf import basis
+from uavftc.core.given import Given
 from uavftc.core.linear3 import multiply, multiply_transposed
-from uavftc.core.stage import Stage, carray, law
+from uavftc.core.stage import Block, Stage, law, params_of
 
 PARAMS = np.dtype(
     [
@@ -26,6 +37,13 @@ PARAMS = np.dtype(
     ]
 )
 STATE = np.dtype(PREDICTOR_STATE)
+
+
+class Config(PredictorConfig):
+    """Model reference adaptive control: the same predictor and laws without the low-pass filter."""
+
+    kind: Literal["mrac"] = "mrac"
+    """the same predictor and laws without the low-pass filter"""
 
 
 @law
@@ -46,7 +64,9 @@ def step(p, s, row):
     row.f_hat[0], row.f_hat[1], row.f_hat[2] = multiply(p.B_m, f)
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["x1_meas", "x2_meas", "v1"], writes=["v2", "f_hat"])
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the law, its gains computed from the design matrices."""
+    return [stage.block(params_of(PARAMS, **predictor_params(config, given)))]

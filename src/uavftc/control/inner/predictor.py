@@ -24,7 +24,17 @@ The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.p
 
 from __future__ import annotations
 
-from uavftc.control.rbf import NODES
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import AfterValidator, model_validator
+from pydantic_core import PydanticCustomError
+
+from uavftc.config.values import Matrix3, Model, Number, Positive, list_of, refusal
+from uavftc.control.gains import lyapunov_P, reference_gain
+from uavftc.control.inner.matrices import hurwitz, invertible, is_hurwitz, positive_definite
+from uavftc.control.rbf import NODES, Rbf
+from uavftc.core.given import Given
 from uavftc.core.linear3 import multiply, multiply_transposed, solve
 from uavftc.core.stage import law
 
@@ -56,6 +66,89 @@ PREDICTOR_STATE = [
     ("Phi", "f8", (NODES,)),  # regressor of the previous sample
     ("M", "f8", (3, 3)),  # matrix of the implicit step
 ]
+
+
+A_M = ((-8.5, 1.2, -3.5), (-1.5, -1.5, -1.0), (-0.02, 0.0, -2.0))  # 1/s, paper section 4
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+ZEROS = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+BOUNDS = "[lower, upper] with 0 < lower <= 1 <= upper and lower < upper"
+
+
+def _bounds(value: tuple[float, float]) -> tuple[float, float]:
+    """The estimate of the effectiveness starts at 1, so 1 must lie within its bounds."""
+    if not 0 < value[0] <= 1 <= value[1] or value[0] == value[1]:
+        raise PydanticCustomError("shape", "{wanted}", {"wanted": BOUNDS})
+    return value
+
+
+class PredictorConfig(Model):
+    """What the laws over a predictor share: state predictor and adaptive laws of eqs. (28)-(31)."""
+
+    adaptation_gain: Positive = 1e5
+    """Gamma, > 0"""
+    A_m: Matrix3 = A_M
+    """3x3, 1/s, desired dynamics of the body rates; A_m + K_1 must be Hurwitz"""
+    K_1: Matrix3 = IDENTITY
+    """3x3, 1/s, feedback of the prediction error"""
+    Q: Matrix3 = IDENTITY
+    """3x3, symmetric positive definite, right side of the Lyapunov equation for P"""
+    B_m: Matrix3 | None = None
+    """3x3, 1/s^2, invertible (condition number below 1e8); `null` is the aircraft's own"""
+    K_0: Matrix3 = ZEROS
+    """3x3, s, v2 = -K_0^T x2 + v_ad"""
+    effectiveness_bounds: Annotated[tuple[Number, Number], list_of(2, BOUNDS), AfterValidator(_bounds)] = (0.1, 2.0)
+    """bounds of the estimated effectiveness, 0 < lower <= 1 <= upper"""
+    weight_bound: Positive = 50.0
+    """bound of the network weights, rad, > 0"""
+    offset_bound: Positive = 50.0
+    """bound of the estimated offset eps_hat, rad, > 0"""
+    reference_gain: Literal["plant", "printed"] = "plant"
+    """`plant`: K = B_m^-1 A_m, which gives unit gain from commanded to flown rate; `printed`: K_2 = B_m^-1 A_s"""
+    integration: Literal["implicit", "explicit"] = "implicit"
+    """how predictor and adaptive laws are sampled: `implicit`, stable at every rate; `explicit`, forward Euler, to show
+    what it does (give it `rate_hz: 1000`)"""
+    rbf: Rbf = Rbf()
+    """network of the inner loop"""
+
+    @model_validator(mode="after")
+    def _matrices(self) -> PredictorConfig:
+        problems = [*hurwitz(self.A_m, self.K_1), *positive_definite(self.Q), *invertible(self.B_m)]
+        if problems:
+            raise refusal(problems)
+        return self
+
+    def warnings(self, rate_hz: float) -> list[tuple[str, str]]:
+        """Return (key, line) of what is allowed and worth knowing, at a sample rate, Hz."""
+        found = []
+        if not is_hurwitz(np.array(self.A_m)):
+            found.append(("A_m", "not Hurwitz, the body rates are asked to follow an unstable model"))
+        if self.integration == "explicit" and rate_hz < 1000:
+            found.append(("integration", "explicit below 1000 Hz diverges; it is there to show that"))
+        return found
+
+
+def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
+    """Return the values of `PREDICTOR_PARAMS`, K and K_0; the gains are computed from the design matrices here."""
+    A_m, B_m = np.array(config.A_m), np.array(config.B_m)
+    A_s = A_m + np.array(config.K_1)
+    return {
+        "h": given.h,
+        "A_m": A_m,
+        "B_m": B_m,
+        "A_s": A_s,
+        "P_B_m": lyapunov_P(A_s, np.array(config.Q)) @ B_m,
+        "Gamma": config.adaptation_gain,
+        "explicit": float(config.integration == "explicit"),
+        "omega_min": config.effectiveness_bounds[0],
+        "omega_max": config.effectiveness_bounds[1],
+        "W_max": config.weight_bound,
+        "eps_max": config.offset_bound,
+        "centres": config.rbf.centres,
+        "width": config.rbf.width,
+        "psi_0": given.psi_0,
+        "K": reference_gain(A_m if config.reference_gain == "plant" else A_s, B_m),
+        "K_0": config.K_0,
+    }
 
 
 @law

@@ -8,13 +8,26 @@ loop, and it is zero when it is not ("NDI-L1"). The heading error is taken the s
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
+from uavftc.config.values import Model, PositiveVector3
+from uavftc.core.given import Given
 from uavftc.core.kinematics import body_rates, wrapped
-from uavftc.core.stage import NOTHING, Stage, carray, law
+from uavftc.core.stage import NOTHING, Block, Stage, law, params_of
 
 PARAMS = np.dtype([("D", "f8", (3,))])  # outer-loop bandwidth, 1/s
 STATE = NOTHING
+
+
+class Config(Model):
+    """Nonlinear dynamic inversion, v1 = g1^-1 D (x1c - x1); `bandwidth` is the diagonal of D, rad/s."""
+
+    kind: Literal["ndi"] = "ndi"
+    """dynamic inversion"""
+    bandwidth: PositiveVector3 = (0.5, 0.5, 0.5)
+    """diagonal of D, eq. (8), rad/s, > 0"""
 
 
 @law
@@ -29,7 +42,9 @@ def step(p, s, row):
     row.v1[0], row.v1[1], row.v1[2] = body_rates(x1, x1_dot)
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["x1_c", "x1_meas", "d1_hat"], writes=["v1"])
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the inversion; `config` is any with the bandwidth."""
+    return [stage.block(params_of(PARAMS, D=config.bandwidth))]

@@ -17,12 +17,16 @@ the paper's own scenarios. It acts on what makes x1' differ from g1 x2, such as 
 from __future__ import annotations
 
 from math import exp
+from typing import Literal
 
 import numpy as np
 
-from uavftc.control.rbf import NODES, basis
+from uavftc.config.values import Positive, PositiveVector3
+from uavftc.control.outer import ndi
+from uavftc.control.rbf import NODES, Rbf, basis
+from uavftc.core.given import Given
 from uavftc.core.kinematics import attitude_rates
-from uavftc.core.stage import Stage, carray, law
+from uavftc.core.stage import Block, Stage, law, params_of
 
 PARAMS = np.dtype(
     [
@@ -37,6 +41,7 @@ PARAMS = np.dtype(
 STATE = np.dtype(
     [
         ("started", "f8"),
+        ("decay", "f8", (3,)),  # exp(-sigma h)
         ("zeta", "f8", (3,)),  # rad
         ("W_hat", "f8", (NODES, 3)),  # rad/s
         ("Phi", "f8", (NODES,)),
@@ -45,6 +50,19 @@ STATE = np.dtype(
         ("d1_hat", "f8", (3,)),  # rad/s
     ]
 )
+
+
+class Config(ndi.Config):
+    """NDI with the neural network disturbance observer, eqs. (8)-(16): `sigma` in 1/s, `gamma` the learning gain."""
+
+    kind: Literal["nndo-ndi"] = "nndo-ndi"  # type: ignore[assignment]  # another kind
+    """dynamic inversion with the neural network disturbance observer"""
+    sigma: PositiveVector3 = (0.5, 0.5, 0.5)
+    """diagonal of sigma of the observer, 1/s, > 0"""
+    gamma: Positive = 0.05
+    """learning gain, > 0"""
+    rbf: Rbf = Rbf()
+    """network of the observer"""
 
 
 @law
@@ -56,8 +74,9 @@ def step(p, s, row):
     for i in range(3):
         if s.started == 0.0:
             s.zeta[i] = x1[i]
+            s.decay[i] = exp(-p.sigma[i] * p.h)
         else:
-            decay = exp(-p.sigma[i] * p.h)
+            decay = s.decay[i]
             drive = 0.5 * p.sigma[i] * (s.x1[i] + x1[i]) + 0.5 * (s.x1_dot[i] + x1_dot[i]) + s.d1_hat[i]
             s.zeta[i] = decay * s.zeta[i] + (1.0 - decay) / p.sigma[i] * drive
         e = x1[i] - s.zeta[i]
@@ -72,7 +91,18 @@ def step(p, s, row):
     s.started = 1.0
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["x1_meas", "x2_meas"], writes=["d1_hat"])
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the observer, and the inversion that uses its estimate."""
+    observer = params_of(
+        PARAMS,
+        h=given.h,
+        sigma=config.sigma,
+        gamma=config.gamma,
+        centres=config.rbf.centres,
+        width=config.rbf.width,
+        psi_0=given.psi_0,
+    )
+    return [stage.block(observer), *ndi.blocks(config, given)]

@@ -21,9 +21,10 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
-from uavftc.control.custom.controller import ControlDesign, positive_options
+from uavftc.control.custom.controller import positive_options
+from uavftc.core.given import ControlDesign
 from uavftc.core.kinematics import wrapped
-from uavftc.core.stage import Stage, carray, law, params_of
+from uavftc.core.stage import Stage, law, params_of
 
 UNLIMITED = 0.5  # rad, what a surface without limits counts for in R
 
@@ -86,7 +87,4 @@ def step(p, s, row):
             s.xi[i] += p.h * s.x[i]
 
 
-@Stage(PARAMS, STATE)
-def stage(p, s, row):
-    """Entry."""
-    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+stage = Stage(step, PARAMS, STATE, reads=["x1_c", "x1_meas", "x2_meas"], writes=["v2"])

@@ -24,7 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.control.custom.controller import ControlDesign, positive_options
+from uavftc.control.custom.controller import positive_options
+from uavftc.core.given import ControlDesign
 
 Step = Callable[[float, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, dict[str, np.ndarray]]]
 

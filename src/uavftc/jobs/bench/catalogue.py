@@ -27,7 +27,7 @@ class Entry(NamedTuple):
 
 CATALOGUE: dict[str, Entry] = {
     "closed_loop_over_bare_jsbsim": Entry(
-        loop.closed_loop_over_bare_jsbsim, {"hale": Bar(1.8), "c172p": Bar(1.4), "737": Bar(1.4)}
+        loop.closed_loop_over_bare_jsbsim, {"hale": Bar(1.45), "c172p": Bar(1.37), "737": Bar(1.4)}
     ),
     "controller_step_us": Entry(parts.controller_step_us, Bar(3.0)),
     "bridge_io_us": Entry(parts.bridge_io_us),
@@ -37,7 +37,7 @@ CATALOGUE: dict[str, Entry] = {
     "analytic_over_solve_ivp": Entry(solvers.analytic_over_solve_ivp, dict.fromkeys(solvers.SOLVERS, _AT_LEAST_50)),
     "flights_per_second": Entry(loop.flights_per_second),
     "process_warm_s": Entry(processes.process_warm_s),
-    "warm_over_imports": Entry(processes.warm_over_imports, Bar(2.2)),
+    "warm_over_imports": Entry(processes.warm_over_imports, Bar(1.7)),
     "process_cold_s": Entry(processes.process_cold_s, Bar(12.0)),
     "process_first_s": Entry(processes.process_first_s),
     "time_growth": Entry(growth.time_growth, {"analytic": Bar(1.05), "jsbsim": Bar(1.05)}),

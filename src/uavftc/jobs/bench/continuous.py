@@ -1,9 +1,10 @@
 """Scenario 2 as one system of ordinary differential equations: the paper's loop before it is sampled.
 
-Model (7) with the hard limits of the scenario, outer loop (9) with observer (14) to (16), predictor and adaptive laws
-(30) and (31), control law (32); the projection of (31) holds an estimate at its bound. It is what a general solver is
-given to integrate, compiled by numba, so that the solver's own work is what is timed and not an interpreted right-hand
-side. Parameters are read from the flight it is compared with.
+It is what a general solver is given to integrate, compiled by numba, so that the solver's own work is what is timed and
+not an interpreted right-hand side. The equations are those of the flight it is compared with, called with its own
+parameters: model (7) `analytic.derivative`, limits (20) `saturation.sat`, outer loop (9) `ndi.step`, predictor and
+adaptive laws (30) and (31) `predictor.advance`. What the flight has in a sampled form only stands here in the
+continuous one: the projection of (31), which holds an estimate at its bound, observer (14) to (16), control law (32).
 
 State, shape (51,): x1, x2, x2_hat, omega_hat, eps_hat, v_ad, zeta, W_hat (5, 3), W_hat of the observer (5, 3).
 """
@@ -15,8 +16,14 @@ from typing import Any
 import numba
 import numpy as np
 
+from uavftc.actuators import saturation
+from uavftc.actuators.saturation import sat
 from uavftc.control.inner import l1
+from uavftc.control.inner.predictor import advance, lumped
 from uavftc.control.outer import ndi, nndo
+from uavftc.control.rbf import NODES, basis
+from uavftc.core.kinematics import attitude_rates
+from uavftc.core.linear3 import multiply, multiply_transposed
 from uavftc.core.stage import Block
 from uavftc.flight.build import Flight
 from uavftc.plants import analytic
@@ -24,54 +31,45 @@ from uavftc.plants import analytic
 SIZE = 51
 DEG = np.pi / 180.0
 
-PARAMS = np.dtype(
+LOOP = np.dtype(
     [
-        ("c", "f8", (9,)),  # coefficients of eq. (2)
-        ("A_l", "f8", (3, 3)),
-        ("A_m", "f8", (3, 3)),
-        ("K_1", "f8", (3, 3)),
-        ("B_m", "f8", (3, 3)),
-        ("P_B_m", "f8", (3, 3)),
-        ("K", "f8", (3, 3)),
-        ("K_0", "f8", (3, 3)),
-        ("D", "f8", (3,)),
-        ("sigma", "f8", (3,)),
-        ("gamma", "f8"),
-        ("Gamma", "f8"),
-        ("filter_bandwidth", "f8"),
-        ("omega_min", "f8"),
-        ("omega_max", "f8"),
-        ("W_max", "f8"),
-        ("eps_max", "f8"),
-        ("centres", "f8", (5,)),
-        ("width", "f8"),
-        ("u_min", "f8", (3,)),
+        # parameters
+        ("plant", analytic.PARAMS),
+        ("outer", ndi.PARAMS),
+        ("observer", nndo.PARAMS),
+        ("inner", l1.PARAMS),
+        ("u_min", "f8", (3,)),  # rad
         ("u_max", "f8", (3,)),
-        ("x1_c", "f8", (3,)),
+        ("omega_min", "f8"),  # bounds of the estimates
+        ("omega_max", "f8"),
+        ("W_max", "f8"),  # rad
+        ("eps_max", "f8"),  # rad
+        # memory of the laws, written anew in each call
+        ("nothing", ndi.STATE),
+        ("signals", [(name, "f8", (3,)) for name in ("x1_c", "x1_meas", "d1_hat", "v1")]),
+        ("state", l1.STATE),
+        ("Phi", "f8", (NODES,)),  # of the observer
     ]
 )
 
 
-def parameters(flight: Flight, x1_c: np.ndarray) -> np.ndarray:
-    """Return one record of PARAMS, shape (1,), of an analytic flight of scenario 2 with the command x1_c, (3,), rad."""
-    blocks = {id(block.stage): block.params[0] for block in flight.program.blocks if isinstance(block, Block)}
-    inner, outer, observer = (blocks[id(m.stage)] for m in (l1, ndi, nndo))
-    plant = blocks[id(analytic.stage)]
-    limits = flight.scenario.limits_rad()
-    values: dict[str, Any] = {
-        "c": plant["c"],
-        "A_l": plant["A_l"],
-        "K_1": inner["A_s"] - inner["A_m"],
-        "D": outer["D"],
-        "sigma": observer["sigma"],
-        "gamma": observer["gamma"],
-        "u_min": limits[:, 0],
-        "u_max": limits[:, 1],
-        "x1_c": x1_c,
-    }
-    record = np.zeros(1, PARAMS)
-    for name in PARAMS.names or ():
-        record[name] = values[name] if name in values else inner[name]
+def loop_of(flight: Flight, x1_c: np.ndarray) -> np.ndarray:
+    """Return one record of LOOP, shape (1,), of an analytic flight of scenario 2 with the command x1_c, (3,), rad."""
+    params: dict[int, np.ndarray] = {}
+    for block in flight.program.blocks:
+        if isinstance(block, Block):  # the first of each: limits may follow limits
+            params.setdefault(id(block.stage), block.params)
+    record = np.zeros(1, LOOP)
+    for name, module in (("plant", analytic), ("outer", ndi), ("observer", nndo), ("inner", l1)):
+        record[name] = params[id(module.stage)]
+    for name in ("u_min", "u_max"):
+        record[name] = np.ravel(params[id(saturation.stage)][name])
+    # An explicit step of 1 s without bounds moves the state of (30) and (31) by its rate.
+    record["inner"]["h"] = record["inner"]["explicit"] = 1.0
+    for name, free in (("omega_min", -np.inf), ("omega_max", np.inf), ("W_max", np.inf), ("eps_max", np.inf)):
+        record[name] = record["inner"][name]
+        record["inner"][name] = free
+    record["signals"]["x1_c"] = x1_c
     return record
 
 
@@ -84,7 +82,7 @@ def start(x1: np.ndarray) -> np.ndarray:
 
 
 def d2_of(t: float) -> tuple[float, float, float]:
-    """Return scenario 2's disturbance at t, s: angular acceleration, rad/s^2."""
+    """Return scenario 2's disturbance at t, s: angular acceleration, rad/s^2 (a test compares it with the flight's)."""
     if t < 10.0:
         return (
             DEG * (0.1 + 0.5 * np.sin(t)),
@@ -99,63 +97,73 @@ def d2_of(t: float) -> tuple[float, float, float]:
 _d2 = numba.njit(d2_of)
 
 
-@numba.njit
-def _held(rate, value, low, high):  # type: ignore[no-untyped-def]
-    """Return the rate of an estimate, or 0 where it would leave its bounds."""
+@numba.njit(error_model="numpy")
+def _observer(
+    p: Any, x1: Any, x1_dot: Any, zeta: Any, W: Any, Phi: Any, d1_hat: Any, zeta_dot: Any, W_dot: Any
+) -> None:
+    """Write the estimate d1_hat, rad/s, and the rates of zeta and W: eqs. (14) to (16)."""
+    for i in range(3):
+        d1_hat[i] = 0.0
+        for n in range(NODES):
+            d1_hat[i] += W[n, i] * Phi[n]
+        e = x1[i] - zeta[i]  # (15)
+        zeta_dot[i] = p.sigma[i] * e + x1_dot[i] + d1_hat[i]  # (14)
+        for n in range(NODES):
+            W_dot[n, i] = p.gamma * Phi[n] * e  # (16)
+
+
+@numba.njit(error_model="numpy")
+def _command_rate(p: Any, s: Any, v1: Any, v_ad_dot: Any) -> None:
+    """Write the rate of v_ad, rad/s: control law (32) with K_3 D(s) = k/s."""
+    K_r = multiply(p.K, v1)
+    for i in range(3):
+        v_ad_dot[i] = -p.filter_bandwidth * (s.omega_hat[i] * s.v_ad[i] + lumped(s, i) + K_r[i])
+
+
+@numba.njit(error_model="numpy")
+def _held(rate: float, value: float, low: float, high: float) -> float:
+    """Return the rate of an estimate, or 0 where it would leave its bounds: the projection of (31)."""
     return 0.0 if (value <= low and rate < 0.0) or (value >= high and rate > 0.0) else rate
 
 
 @numba.njit(error_model="numpy")
-def right_hand_side(t, y, p):  # type: ignore[no-untyped-def]
-    """Return the derivative of the state, shape (51,)."""
-    p = p[0]
-    out = np.empty(51)
-    x1, x2, x2_hat, omega, eps, v, zeta = y[0:3], y[3:6], y[6:9], y[9:12], y[12:15], y[15:18], y[18:21]
-    s, c, tan, cos = np.sin(x1[0]), np.cos(x1[0]), np.tan(x1[1]), np.cos(x1[1])
-    turn = x2[2] * c + x2[1] * s
-    x1_dot = (x2[0] + turn * tan, x2[1] * c - x2[2] * s, turn / cos)  # (1)
-    Phi = np.empty(5)  # (10)
-    for n in range(5):
-        square = 0.0
-        for j in range(3):
-            square += (x1[j] - p.centres[n]) ** 2 + (x2[j] - p.centres[n]) ** 2
-        Phi[n] = np.exp(-square / (2.0 * p.width * p.width))
-    d1_hat, lumped, gradient, e_1 = np.zeros(3), np.zeros(3), np.zeros(3), np.empty(3)
+def right_hand_side(t: float, y: np.ndarray, loop: np.ndarray) -> np.ndarray:
+    """Return the derivative of the state, shape (51,), s^-1; the memory in the record `loop` is overwritten."""
+    q: Any = loop[0]
+    out = np.empty(SIZE)
+    inner, s, signals, Phi = q.inner, q.state, q.signals, q.Phi
+    x1, x2, x2_hat, zeta = y[0:3], y[3:6], y[6:9], y[18:21]
+    weights = y[21:51].copy()  # a solver may hand out a column of a matrix
+    W, W_observer = weights[:15].reshape(NODES, 3), weights[15:].reshape(NODES, 3)
+
     for i in range(3):
-        lumped[i] = eps[i]
-        for n in range(5):
-            lumped[i] += y[21 + 3 * n + i] * Phi[n]
-            d1_hat[i] += y[36 + 3 * n + i] * Phi[n]
-        for j in range(3):
-            gradient[i] += (x2_hat[j] - x2[j]) * p.P_B_m[j, i]
-        e_1[i] = p.D[i] * (p.x1_c[i] - x1[i]) - d1_hat[i]
-    sin_theta = np.sin(x1[1])
-    r = (e_1[0] - e_1[2] * sin_theta, e_1[1] * c + e_1[2] * s * cos, -e_1[1] * s + e_1[2] * c * cos)  # (9)
-    g = p.c
-    x2_dot = (  # (2)
-        (g[0] * x2[2] + g[1] * x2[0]) * x2[1],
-        g[4] * x2[0] * x2[2] - g[5] * (x2[0] * x2[0] - x2[2] * x2[2]),
-        (g[7] * x2[0] - g[1] * x2[2]) * x2[1],
+        signals.x1_meas[i] = x1[i]
+        s.x2[i], s.x2_hat[i], s.x2_tilde[i] = x2[i], x2_hat[i], x2_hat[i] - x2[i]
+        s.omega_hat[i], s.eps_hat[i], s.v_ad[i] = y[9 + i], y[12 + i], y[15 + i]
+        for n in range(NODES):
+            s.W_hat[n, i] = W[n, i]
+    basis(x1, x2, q.observer.psi_0, q.observer.centres, q.observer.width, Phi)
+    basis(x1, x2, inner.psi_0, inner.centres, inner.width, s.Phi)
+
+    x1_dot = attitude_rates(x1, x2)
+    _observer(q.observer, x1, x1_dot, zeta, W_observer, Phi, signals.d1_hat, out[18:21], out[36:51].reshape(NODES, 3))
+    ndi.step(q.outer, q.nothing, signals)
+    _command_rate(inner, s, signals.v1, out[15:18])
+
+    v_l = multiply_transposed(inner.K_0, x2)
+    u2 = (
+        sat(s.v_ad[0] - v_l[0], q.u_min[0], q.u_max[0]),
+        sat(s.v_ad[1] - v_l[1], q.u_min[1], q.u_max[1]),
+        sat(s.v_ad[2] - v_l[2], q.u_min[2], q.u_max[2]),
     )
-    d2 = _d2(t)
+    out[0:3], out[3:6] = analytic.derivative(q.plant, x1, x2, u2, (0.0, 0.0, 0.0), _d2(t))
+
+    advance(inner, s, x2)
     for i in range(3):
-        model, command, plant = 0.0, lumped[i] + omega[i] * v[i], x2_dot[i] + d2[i]
-        for j in range(3):
-            command += p.K[i, j] * r[j]
-            v2 = v[j] - p.K_0[0, j] * x2[0] - p.K_0[1, j] * x2[1] - p.K_0[2, j] * x2[2]
-            u = min(max(v2, p.u_min[j]), p.u_max[j])
-            plant += p.A_l[i, j] * x2[j] + p.B_m[i, j] * u
-            model += p.A_m[i, j] * x2_hat[j] + p.B_m[i, j] * (omega[j] * v[j] + lumped[j])
-            model += p.K_1[i, j] * (x2_hat[j] - x2[j])
-        out[i] = x1_dot[i]
-        out[3 + i] = plant  # (7)
-        out[6 + i] = model  # (30)
-        out[9 + i] = _held(-p.Gamma * gradient[i] * v[i], omega[i], p.omega_min, p.omega_max)  # (31)
-        out[12 + i] = _held(-p.Gamma * gradient[i], eps[i], -p.eps_max, p.eps_max)
-        out[15 + i] = -p.filter_bandwidth * command  # (32)
-        out[18 + i] = p.sigma[i] * (x1[i] - zeta[i]) + x1_dot[i] + d1_hat[i]  # (14)
-        for n in range(5):
-            W = y[21 + 3 * n + i]
-            out[21 + 3 * n + i] = _held(-p.Gamma * Phi[n] * gradient[i], W, -p.W_max, p.W_max)
-            out[36 + 3 * n + i] = p.gamma * Phi[n] * (x1[i] - zeta[i])  # (16)
+        omega, eps = y[9 + i], y[12 + i]
+        out[6 + i] = s.x2_hat[i] - x2_hat[i]
+        out[9 + i] = _held(s.omega_hat[i] - omega, omega, q.omega_min, q.omega_max)
+        out[12 + i] = _held(s.eps_hat[i] - eps, eps, -q.eps_max, q.eps_max)
+        for n in range(NODES):
+            out[21 + 3 * n + i] = _held(s.W_hat[n, i] - W[n, i], W[n, i], -q.W_max, q.W_max)
     return out

@@ -8,9 +8,9 @@ import numpy as np
 
 from uavftc.flight.build import Flight, build_flight
 from uavftc.flight.fly import fly, fly_to_memory
+from uavftc.flight.recorder import Recorder
 from uavftc.jobs.bench.measure import NotMeasuredError
 from uavftc.plants.jsbsim.plant import JSBSimPlant
-from uavftc.results.history import Recorder
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
@@ -51,8 +51,6 @@ def fly_all_of(flight: Flight, *recorders: Recorder) -> float:
         After Ctrl-C, which a flight by itself only takes as its end.
     """
     outcome = fly(flight, recorders)
-    if outcome.interrupted:
-        raise KeyboardInterrupt
     if not outcome.completed:
         raise NotMeasuredError(f"the flight did not reach its end: {outcome.ended_because}")
     return outcome.wall_s

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from uavftc.flight.build import build_flight
+from uavftc.flight.recorder import MemoryRecorder
 from uavftc.jobs.bench.flights import fly_all_of, jsbsim_plant, scenario
 from uavftc.jobs.bench.measure import Figure, Job, NotMeasuredError, alternately, computed, of, ratios, timed
 from uavftc.jobs.campaign.pool import fly_one
-from uavftc.results.history import MemoryRecorder
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 

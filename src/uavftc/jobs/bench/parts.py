@@ -9,19 +9,20 @@ from typing import Any, cast
 
 import numpy as np
 
-from uavftc.actuators import delay
-from uavftc.core.signals import ROW_WIDTH, empty_rows
-from uavftc.core.stage import Block, Program, PythonBlock
-from uavftc.flight.build import build_flight
+from uavftc.core.program import Program
+from uavftc.core.signals import empty_rows
+from uavftc.core.stage import Block, PythonBlock
+from uavftc.flight.build import build_flight, controller_blocks
+from uavftc.flight.recorder import MemoryRecorder
 from uavftc.jobs.bench.flights import flown, jsbsim_plant, scenario
 from uavftc.jobs.bench.measure import Figure, Job, alternately, computed, of, timed
-from uavftc.results.history import MemoryRecorder, ParquetRecorder
-from uavftc.sensors import gyro
+from uavftc.results.history import ParquetRecorder
 
 
 def controller_step_us(rounds: int) -> Figure:
     """One compiled call of the controller from Python on one row, through the measurements of a flight."""
-    rows = flown("scenario3", "jsbsim").copy().view(np.float64).reshape(-1, ROW_WIDTH)
+    records = flown("scenario3", "jsbsim").copy()
+    rows = records.view(np.float64).reshape(len(records), -1)
     nothing = Program([])
     controller, crossing = alternately(
         rounds, lambda: _one_by_one(Program(_controller_blocks()), rows), lambda: _one_by_one(nothing, rows)
@@ -31,18 +32,17 @@ def controller_step_us(rounds: int) -> Figure:
 
 
 def _controller_blocks() -> list[Block | PythonBlock]:
-    """Return the blocks of scenario 3 between the sensors and the actuators, at their start."""
-    blocks = build_flight(scenario("scenario3", plant="jsbsim")).program.blocks
-    stages = [getattr(block, "stage", None) for block in blocks]
-    return list(blocks[stages.index(gyro.stage) + 1 : stages.index(delay.stage)])
+    """Return the controller of scenario 3, at its start."""
+    flight = build_flight(scenario("scenario3", plant="jsbsim"))
+    return controller_blocks(flight.scenario, flight.given)
 
 
 def _one_by_one(program: Program, rows: np.ndarray) -> float:
-    run = program.run
+    run = program.on(rows)
 
     def calls() -> None:
         for k in range(len(rows)):
-            run(rows, k, k + 1)
+            run(k, k + 1)
 
     return computed(calls)
 
@@ -50,8 +50,8 @@ def _one_by_one(program: Program, rows: np.ndarray) -> float:
 class _NoProgram:
     """Stands for the compiled call."""
 
-    def run(self, _rows: np.ndarray, _first: int, last: int) -> int:
-        return last
+    def on(self, _rows: np.ndarray) -> Callable[[int, int], int]:
+        return lambda _first, last: last
 
 
 class _NoFdm:
@@ -68,9 +68,11 @@ def bridge_io_us(rounds: int) -> Figure:
     fdm, plant.fdm = plant.fdm, cast(Any, _NoFdm())
     program, frame = _NoProgram(), _NoFdm()
 
+    step = program.on(rows)
+
     def stand_ins() -> None:
         for k in range(len(rows)):
-            program.run(rows, k, k + 1)
+            step(k, k + 1)
             frame.run()
 
     whole, empty = alternately(

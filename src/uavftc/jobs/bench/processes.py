@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
+from uavftc.core.cache import HOME_VARIABLE
 from uavftc.jobs.bench.flights import level
 from uavftc.jobs.bench.measure import Figure, NotMeasuredError, alternately, of, ratios, timed
+from uavftc.plants.jsbsim.model import cache_dir
 from uavftc.scenario.load import scenario_text
 
 FLY = "from uavftc.cli.app import main_fly; main_fly()"  # what the script uavftc-fly does
@@ -67,20 +70,24 @@ def warm_over_imports(rounds: int) -> Figure:
 
 def process_cold_s(rounds: int) -> Figure:
     """`uavftc-fly scenario3 --no-plots` with an empty cache of compiled laws."""
-    return Figure(_with_empty("NUMBA_CACHE_DIR", rounds=rounds))
+
+    def cold() -> float:
+        with tempfile.TemporaryDirectory() as folder:
+            models = cache_dir()
+            shutil.copytree(models, Path(folder) / models.parent.name / models.name)
+            return fly_process({HOME_VARIABLE: folder})
+
+    return Figure(alternately(rounds, cold, warm_up=False)[0])
 
 
 def process_first_s(rounds: int) -> Figure:
     """`uavftc-fly scenario3 --no-plots` with empty caches: laws compiled, and the trim solved in a child process."""
-    return Figure(_with_empty("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", rounds=rounds))
 
-
-def _with_empty(*variables: str, rounds: int) -> list[float]:
-    def cold() -> float:
+    def first() -> float:
         with tempfile.TemporaryDirectory() as folder:
-            return fly_process({variable: folder for variable in variables})
+            return fly_process({HOME_VARIABLE: folder})
 
-    return alternately(rounds, cold, warm_up=False)[0]
+    return Figure(alternately(rounds, first, warm_up=False)[0])
 
 
 def memory_growth_mb(rounds: int) -> Figure:

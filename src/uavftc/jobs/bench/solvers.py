@@ -73,7 +73,7 @@ def _problem() -> dict[str, Any]:
         "t_span": (0.0, float(records["t"][-1])),
         "y0": continuous.start(records["x1"][0]),
         "t_eval": records["t"],
-        "args": (continuous.parameters(flight, records["x1_c"][0]),),
+        "args": (continuous.loop_of(flight, records["x1_c"][0]),),
     }
 
 

@@ -6,34 +6,22 @@ import multiprocessing
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from typing import Any, NamedTuple
-
-import numpy as np
 
 from uavftc.analysis.metrics import metrics_of
 from uavftc.flight.build import build_flight
-from uavftc.flight.fly import Outcome, fly_to_memory
-from uavftc.results.history import published
+from uavftc.flight.fly import fly_to_memory
+from uavftc.flight.recorder import published
+from uavftc.results.flight import FlightResult, origin_of
 from uavftc.scenario.schema import Scenario
 
 WORTH_A_POOL = 8  # flights; a worker starts in about two seconds, a flight takes a fraction of one
 
 
-class Flown(NamedTuple):
-    """What is kept of a flight."""
-
-    scenario: Scenario
-    """As flown."""
-    outcome: Outcome
-    axes: dict[str, dict[str, float | None]]
-    """The metrics, as in `summary.json`."""
-    history: dict[str, np.ndarray] | None
-    """Published columns, shape (N + 1,) each, where asked for."""
-    settings: dict[str, Any]
-    """How the plant was integrated and started."""
+Flown = FlightResult
+"""What is kept of each flight."""
 
 
-def fly_one(scenario: Scenario, keep_history: bool = True) -> Flown:
+def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     """Fly a scenario in this process and return what is kept of it.
 
     Raises
@@ -41,14 +29,13 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> Flown:
     InputError
         If it cannot be flown.
     KeyboardInterrupt
-        After Ctrl-C: what is kept of one flight among many is all of it or nothing.
+        On Ctrl-C: of one flight among many all is kept, or nothing.
     """
     flight = build_flight(scenario)
+    origin = origin_of(flight)
     records, outcome = fly_to_memory(flight)
-    if outcome.interrupted:
-        raise KeyboardInterrupt
     axes = metrics_of(records, completed=outcome.completed)
-    return Flown(flight.scenario, outcome, axes, published(records) if keep_history else None, flight.plant.settings)
+    return FlightResult(flight.scenario, outcome, axes, published(records) if keep_history else None, origin)
 
 
 def fly_all(
@@ -57,7 +44,7 @@ def fly_all(
     keep_history: bool = True,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-) -> list[Flown]:
+) -> list[FlightResult]:
     """Fly all scenarios and return what is kept of each, in their order; the result does not depend on `workers`.
 
     Parameters
@@ -77,7 +64,7 @@ def fly_all(
         Of the first scenario, in their order, that cannot be flown.
     """
     workers = min(workers or os.cpu_count() or 1, len(scenarios))
-    done: list[Flown] = []
+    done: list[FlightResult] = []
     if workers < 2 or len(scenarios) < WORTH_A_POOL:
         for scenario in scenarios:
             done.append(fly_one(scenario, keep_history))

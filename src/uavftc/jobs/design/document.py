@@ -1,8 +1,8 @@
 """A design as numbers: trim, linear pair, gains, L1 norms, and the bounds of the paper's theorems where they exist.
 
 The document is what `uavftc design --json` prints. What the trim and the linear model of JSBSim say is put together in
-`trimmed.py`, what a flight adds in `beside.py`, and what the theory says of the inner loop here. Where a number does
-not exist it is None, and a `reason` beside it says why. Names ending in `_A_m` are the figures with A_m, the matrix of
+`trimmed.py`, what a flight adds in `reference.py`, and what the theory says of the inner loop here. Where a number does
+not exist it is None, and a `reason` next to it says why. Names ending in `_A_m` are the figures with A_m, the matrix of
 the plant (27), in the place of A_s.
 """
 
@@ -16,15 +16,15 @@ import numpy as np
 from uavftc.aircraft.definition import load_aircraft
 from uavftc.analysis.l1_condition import ACCURACY, Given, Norms, condition_33, norms_of, theorem_2, theorem_3
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
+from uavftc.control.inner import l1
+from uavftc.control.inner.matrices import MAX_CONDITION
 from uavftc.errors import InputError
 from uavftc.jobs.design.reference import flight_document, inner_of, l1_of
 from uavftc.jobs.design.trimmed import design_model, trimmed_sections
-from uavftc.scenario.controllers import L1Inner
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
-DEFAULT_SCENARIO = "scenario1"
-INVERTIBLE = 1e8  # condition number of B_m up to which the schema takes one
+DEFAULT_SCENARIO = "scenario1"  # steps of 5 deg on every axis
 NO_INVERSE = "B_m has no inverse: not every axis answers to its surface"
 _NORMS = {
     "l1_norm_H": "H",
@@ -88,13 +88,13 @@ def design_document(
 
 
 def theory(
-    inner: L1Inner, A: np.ndarray, B_m: np.ndarray, given: Given, omega: tuple[float, float, float]
+    inner: l1.Config, A: np.ndarray, B_m: np.ndarray, given: Given, omega: tuple[float, float, float]
 ) -> dict[str, Any]:
     """Return gains, norms and bounds of an inner loop on a plant x2' = A x2 + B_m u; what has no B_m^-1 is None."""
     A_m, K_1, Q = np.array(inner.A_m), np.array(inner.K_1), np.array(inner.Q)
     A_s = A_m + K_1
     P = lyapunov_P(A_s, Q)
-    invertible = bool(np.linalg.cond(B_m) < INVERTIBLE)
+    invertible = bool(np.linalg.cond(B_m) < MAX_CONDITION)
     K = reference_gain(A_m if inner.reference_gain == "plant" else A_s, B_m) if invertible else None
     document: dict[str, Any] = {"B_m": B_m, "A_m": A_m, "K_1": K_1, "A_s": A_s, "Q": Q}
     document |= {

@@ -19,21 +19,22 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import platformdirs
 
 from uavftc.aircraft.definition import STOCK, Aircraft, load_aircraft, stock_names
 from uavftc.analysis import authority
 from uavftc.config import shipped as resources
+from uavftc.core.cache import cache_folder
 from uavftc.core.signals import AXES
 from uavftc.errors import InputError
-from uavftc.flight import build
+from uavftc.flight import condition
 from uavftc.jobs.design import trimmed
+from uavftc.jobs.design.document import DEFAULT_SCENARIO
 from uavftc.plants.jsbsim.model import cache_dir
+from uavftc.plants.jsbsim.units import FT_M, IN_M
 from uavftc.scenario import controllers
 from uavftc.scenario.load import load_scenario
 
-SCENARIO = "scenario1"  # steps of 5 deg on every axis
-METRES = {"M": 1.0, "FT": 0.3048, "IN": 0.0254}
+METRES = {"M": 1.0, "FT": FT_M, "IN": IN_M}
 
 Row = dict[str, Any]
 Progress = Callable[[int], None]
@@ -100,11 +101,11 @@ def row_of(name: str) -> Row:
     """Return the row of one aircraft, measured: what `fleet` keeps."""
     try:
         aircraft = load_aircraft(name)
-        scenario = load_scenario(SCENARIO, aircraft=name)
+        scenario = load_scenario(DEFAULT_SCENARIO, aircraft=name)
         model = trimmed.design_model(scenario, aircraft)
     except InputError as error:
         return _row(name, measured=True, reason=error.found)
-    reasons = build.reasons_against(scenario, model)
+    reasons = condition.reasons_against(scenario, model)
     section = trimmed.authority_section(scenario, model)
     ratios = {axis: section[axis]["ratio"] for axis in AXES if section[axis] is not None}
     weakest = min(ratios, key=lambda axis: ratios[axis]) if ratios else None
@@ -162,21 +163,20 @@ def _keep(name: str, row: Row) -> None:
         return
     with contextlib.suppress(OSError, InputError):
         file = _file(name)
-        file.parent.mkdir(parents=True, exist_ok=True)
         partial = file.with_suffix(f".{os.getpid()}")
         partial.write_text(json.dumps(row), encoding="utf-8")
         partial.replace(file)
 
 
 def _file(name: str) -> Path:
-    return platformdirs.user_cache_path("uavftc") / "fleet" / _code() / f"{load_aircraft(name).sha256()[:32]}.json"
+    return cache_folder("fleet", _code()) / f"{load_aircraft(name).sha256()[:32]}.json"
 
 
 @functools.cache
 def _code() -> str:
-    """Return the checksum of what a row depends on beside the aircraft."""
+    """Return the checksum of what a row depends on next to the aircraft."""
     digest = hashlib.sha256(cache_dir().name.encode())
-    for module in (__file__, trimmed.__file__, build.__file__, authority.__file__, controllers.__file__):
+    for module in (__file__, trimmed.__file__, condition.__file__, authority.__file__, controllers.__file__):
         digest.update(Path(module).read_bytes())
-    digest.update((resources.scenario_dir() / f"{SCENARIO}.yaml").read_bytes())
+    digest.update((resources.scenario_dir() / f"{DEFAULT_SCENARIO}.yaml").read_bytes())
     return digest.hexdigest()[:16]

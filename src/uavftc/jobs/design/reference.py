@@ -16,10 +16,12 @@ from uavftc.analysis.reference_system import (
     simulate,
 )
 from uavftc.control.gains import reference_gain
+from uavftc.control.inner import l1
+from uavftc.control.inner.predictor import PredictorConfig
 from uavftc.errors import InputError
-from uavftc.flight.build import Flight, build_flight, inner_blocks, rotational_model
+from uavftc.flight.build import Flight, build_flight, rotational_model
 from uavftc.flight.fly import fly_to_memory
-from uavftc.scenario.controllers import Controller, L1Inner, MracInner
+from uavftc.scenario.controllers import Controller
 from uavftc.scenario.schema import Scenario
 
 SAMPLED = (
@@ -39,17 +41,14 @@ def flight_document(scenario: Scenario) -> dict[str, Any]:
     l1_of(inner_of(scenario), scenario)
     flight = build_flight(scenario)
     flights = [_flown(flight)]
-    if scenario.plant != "analytic" and not flight.inputs.has_wind:
+    if scenario.plant != "analytic" and not flight.inputs.acts_on("wind_n"):
         flights.append(_flown(build_flight(scenario.model_copy(update={"plant": "analytic"}))))
     return {"scenario": scenario.name, "flights": flights}
 
 
 def _flown(flight: Flight) -> dict[str, Any]:
     records, outcome = fly_to_memory(flight)
-    if outcome.interrupted:
-        raise KeyboardInterrupt
-    inner, h = l1_of(inner_of(flight.scenario), flight.scenario), 1.0 / flight.scenario.controller.rate_hz
-    (block,) = inner_blocks(inner, h, float(flight.plant.x1_trim[2]))
+    (block,) = l1.blocks(l1_of(inner_of(flight.scenario), flight.scenario), flight.given)
     state = replay(block, records)
     result = {
         "plant": flight.scenario.plant,
@@ -120,14 +119,14 @@ def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: 
     return {"reference_system": systems, "bounds": limits, "reason": reason}
 
 
-def inner_of(scenario: Scenario) -> L1Inner | MracInner | None:
+def inner_of(scenario: Scenario) -> PredictorConfig | None:
     """Return the inner loop of a scenario's controller, None of one that is a module of one's own."""
     return scenario.controller.inner if isinstance(scenario.controller, Controller) else None
 
 
-def l1_of(inner: L1Inner | MracInner | None, scenario: Scenario | None) -> L1Inner:
+def l1_of(inner: PredictorConfig | None, scenario: Scenario | None) -> l1.Config:
     """Return the inner loop, or refuse one that is not L1 with an `InputError`."""
-    if isinstance(inner, L1Inner):
+    if isinstance(inner, l1.Config):
         return inner
     raise InputError(
         f"{'' if scenario is None else scenario.name}, key controller.inner.kind",

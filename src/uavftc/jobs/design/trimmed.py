@@ -8,14 +8,11 @@ import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
 from uavftc.analysis.authority import COUPLING_MAX, RESPONSE_MIN, obstacles
-from uavftc.analysis.modes import modes
+from uavftc.analysis.modes import STATES, modes
 from uavftc.core.signals import AXES, SURFACES
-from uavftc.flight.build import authority_of, best_model, condition_of, largest_step, reasons_against
+from uavftc.flight.condition import authority_of, best_model, condition_of, largest_step, reasons_against
 from uavftc.plants.jsbsim.model import TrimmedModel, trimmed_model, trimmed_models
 from uavftc.scenario.schema import Scenario
-
-STATES = ("u", "alpha", "q", "theta", "beta", "p", "r", "phi")  # those of plants/jsbsim/linearise.py, without JSBSim
-RATES = [5, 2, 6]  # p, q, r among them
 
 
 def design_model(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel:

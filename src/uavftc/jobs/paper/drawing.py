@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG
 from uavftc.analysis.smooth_saturation import saturated, smooth
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.jobs.campaign.pool import Flown
@@ -17,7 +18,7 @@ from uavftc.jobs.paper.captions import HEADINGS
 from uavftc.report import panels
 from uavftc.report.chatter import chatter
 from uavftc.report.distance import ANGLES, RATES, attitude_difference
-from uavftc.report.figures import BAND_DEG, column, deg
+from uavftc.report.figures import column, deg
 from uavftc.report.panels import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 
 WIDTH_IN = 170 / 25.4  # text width of a page
@@ -85,7 +86,8 @@ def tracking(number: int, flown: Mapping[Key, Flown], curves: list[Curve]) -> Fi
             panels.curve(left, first["time_s"], deg(first, f"{angle}_ref_rad"), label="reference", **_REFERENCE)
         )
         panels.fit_y(left, drawn, least=0.5)
-        right.axhspan(1e-9, BAND_DEG, color=PURPLE, alpha=0.15, linewidth=0, label=f"error within {BAND_DEG} deg")
+        band = f"error within {CONVERGENCE_BAND_DEG} deg"
+        right.axhspan(1e-9, CONVERGENCE_BAND_DEG, color=PURPLE, alpha=0.15, linewidth=0, label=band)
         right.set_yscale("log")
         right.set_ylim(1e-4, 10.0)
         left.set_title(f"({'abc'[i]}) {axis.capitalize()} angle")

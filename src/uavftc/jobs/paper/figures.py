@@ -15,12 +15,13 @@ from matplotlib.figure import Figure
 from uavftc.jobs.campaign.pool import Flown
 from uavftc.jobs.paper.captions import CAPTIONS, HEADINGS
 from uavftc.jobs.paper.drawing import DASHDOT, DASHED, Curve, Key, Panel, control, estimates, figure_2, tracking
+from uavftc.jobs.paper.plan import L1, MRAC, NDI_L1
 from uavftc.report import panels
 from uavftc.report.panels import BLUE, GREEN, VERMILLION
 
 __all__ = ["CAPTIONS", "PRINT", "draw", "figure_2", "write_figures"]
 
-_NAMES = {"nndondi-l1": "NNDONDI-L1", "ndi-l1": "NDI-L1", "nndondi-mrac": "NNDONDI-MRAC"}
+_NAMES = {L1: "NNDONDI-L1", NDI_L1: "NDI-L1", MRAC: "NNDONDI-MRAC"}
 PRINT = {
     "figure.dpi": 200, "savefig.dpi": 200, "pdf.fonttype": 42, "font.family": "sans-serif", "font.size": 8,
     "axes.titlesize": 8, "axes.titlepad": 4, "axes.labelsize": 8, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5,
@@ -29,8 +30,7 @@ PRINT = {
 }  # fmt: skip
 """Settings of matplotlib for print, over those of `report.panels`; fonts are embedded as TrueType."""
 
-_L1 = "nndondi-l1"
-_BARE, _LIMITED = ("scenario1-unsaturated", _L1), ("scenario1", _L1)
+_BARE, _LIMITED = ("scenario1-unsaturated", L1), ("scenario1", L1)
 _FLIGHTS = (_BARE, _LIMITED, *((scenario, name) for scenario in ("scenario2", "scenario3") for name in _NAMES))
 _SCENARIO1 = (
     Panel(_BARE, False, "Outer loop, without saturation"),
@@ -99,7 +99,7 @@ def draw(number: int, flown: Mapping[Key, Flown]) -> Figure:
         )
     two = tuple(
         Panel((scenario, name), inner, f"{'Inner' if inner else 'Outer'} loop, {_NAMES[name]}")
-        for name in (_L1, "nndondi-mrac")
+        for name in (L1, MRAC)
         for inner in (False, True)
     )
     return (control if number in (7, 10) else estimates)(number, flown, two)

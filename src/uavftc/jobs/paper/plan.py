@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from uavftc.jobs.campaign.pool import Flown
 from uavftc.jobs.paper import printed
@@ -20,7 +20,11 @@ DELAYS_MS = (0.0, 2.5, 5.0, 7.5, 10.0, 15.0, 20.0, 25.0)
 CLAIM_DELAY_MS = 10.0  # two samples at 200 Hz: computation and actuator of an ordinary autopilot
 COARSE = tuple(round(1.0 + 0.1 * i, 2) for i in range(21))  # scales of the additive fault, first pass
 RADIAN_DEG = math.degrees(1.0)
+EXPLICIT_HZ = 1000.0  # rate of the explicit Euler variant: a step of 1 ms
+RUDDER_CONSTANT = 0.2  # the rudder's effectiveness 0.2 t of scenario 3, read without its t
 FINE_STEP, FINE_REACH = 0.01, 0.1
+PRINTED_GAIN = "controller.inner.reference_gain=printed"
+EXPLICIT = "controller.inner.integration=explicit"
 
 
 class Key(NamedTuple):
@@ -70,12 +74,22 @@ def variants(plant: str) -> Plan:
     add("delay", "scenario3", (L1, MRAC), f"controller.delay_s={CLAIM_DELAY_MS / 1e3!r}", value=CLAIM_DELAY_MS)
     for scenario, controller in CASES:
         if controller == L1:
-            add("printed gain", scenario, (L1,), "controller.inner.reference_gain=printed")
+            add("printed gain", scenario, (L1,), PRINTED_GAIN)
     for scenario in ("scenario2", "scenario3"):
-        add("explicit 1 ms", scenario, (L1, MRAC), "controller.inner.integration=explicit", "controller.rate_hz=1000")
+        add("explicit", scenario, (L1, MRAC), EXPLICIT, f"controller.rate_hz={EXPLICIT_HZ:g}")
     plan.update((key._replace(variant="fault in rad"), s) for key, s in scaled(plant, [RADIAN_DEG]).items())
-    add("constant rudder effectiveness", "scenario3", (L1,), "faults[4].effectiveness=0.2")
+    add("constant rudder effectiveness", "scenario3", (L1,), rudder_override(load_scenario("scenario3")))
     return plan
+
+
+def rudder_fault(scenario: Scenario) -> tuple[int, Any]:
+    """Return the rudder's fault of scenario 3, and its place among the faults."""
+    return next((i, fault) for i, fault in enumerate(scenario.faults) if getattr(fault, "surface", "") == "rudder")
+
+
+def rudder_override(scenario: Scenario) -> str:
+    """Return what gives the rudder's fault a constant effectiveness."""
+    return f"faults[{rudder_fault(scenario)[0]}].effectiveness={RUDDER_CONSTANT}"
 
 
 def scaled(plant: str, scales: Iterable[float]) -> Plan:

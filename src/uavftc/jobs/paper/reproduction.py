@@ -1,4 +1,4 @@
-"""`uavftc reproduce`: everything is flown, set beside the print, and written into one result folder."""
+"""`uavftc reproduce`: everything is flown, set next to the print, and written into one result folder."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ from uavftc.jobs.paper.findings import Finding, best_scale, conditions, findings
 from uavftc.jobs.paper.plan import Flights, Key
 from uavftc.jobs.paper.tables import Claim, Row, claims_of, improvements_of, rows_of
 from uavftc.results.folder import ResultFolder
-from uavftc.results.kinds import REPRODUCTION
-from uavftc.results.summary import provenance, write_json
+from uavftc.results.summary import provenance
 
 Advance = Callable[[int, int, str], None]
-"""Told the steps done, the steps there are, and what is going on."""
+"""Called with the steps done, the steps there are, and what is going on."""
 
 
 class Reproduction:
@@ -81,7 +80,7 @@ def reproduce(plants: Sequence[str], out: Path, *, figures: bool, advance: Advan
     InputError
         If the folder cannot be written; nothing is flown then.
     """
-    folder = ResultFolder(out, REPRODUCTION)
+    folder = ResultFolder(out)
     folder.check()
     flights = fly_plan(plants, lambda done, total: advance(done, total, "flying"))
     result = Reproduction(plants, flights)
@@ -98,43 +97,44 @@ def reproduce(plants: Sequence[str], out: Path, *, figures: bool, advance: Advan
                     folder.path / "figures", plan.of_variant(flights, plant, "paper"), prefix=f"{plant}-"
                 )
                 drawn += [p.relative_to(folder.path).as_posix() for p in paths if p.suffix == ".png"]
-        write(folder.path, result, drawn, captions)
+        write(folder, result, drawn, captions)
     return result
 
 
-def write(folder: Path, result: Reproduction, figures: Sequence[str], captions: dict[int, str]) -> None:
+def write(folder: ResultFolder, result: Reproduction, figures: Sequence[str], captions: dict[int, str]) -> None:
     """Write the documents into an open result folder."""
+    improvements = [c.improvement._asdict() | {"answer": c.answer} for cs in result.claims.values() for c in cs]
+    text = pages.page(result.rows, dict(result.claims), result.findings, result.scores, figures, captions)
+    (folder.path / "reproduce.json").write_text(_json_list(result.rows), encoding="utf-8", newline="\n")
+    (folder.path / "tables.csv").write_text(_csv(result.rows), encoding="utf-8", newline="")
+    (folder.path / "improvements.csv").write_text(_csv(improvements), encoding="utf-8", newline="")
+    (folder.path / "reproduction.md").write_text(text, encoding="utf-8", newline="\n")
+    folder.write_summary(document_of(result))
+
+
+def document_of(result: Reproduction) -> dict[str, Any]:
+    """Return the document of `summary.json`."""
     some = next(iter(result.flights.values()))
     origin = provenance(seed=some.scenario.seed, scenario_sha256="", aircraft_sha256=None)
     del origin["scenario_sha256"], origin["aircraft_sha256"]  # many scenarios, and each has its own
     settings = {
         plant: next(f.settings for k, f in result.flights.items() if k.plant == plant) for plant in result.plants
     }
-    write_json(
-        folder / "summary.json",
-        {
-            "plants": list(result.plants),
-            "flights": len(result.flights),
-            "scores": result.scores,
-            "claims": [
-                {**c.improvement._asdict(), "answer": c.answer, "under": c.conditions}
-                for claims in result.claims.values()
-                for c in claims
-            ],
-            "findings": [f._asdict() for f in result.findings],
-            "provenance": {**origin, "plant_settings": settings},
-        },
-    )
-    (folder / "reproduce.json").write_text(_json_list(result.rows), encoding="utf-8", newline="\n")
-    improvements = [c.improvement._asdict() | {"answer": c.answer} for cs in result.claims.values() for c in cs]
-    (folder / "tables.csv").write_text(_csv(result.rows), encoding="utf-8", newline="")
-    (folder / "improvements.csv").write_text(_csv(improvements), encoding="utf-8", newline="")
-    text = pages.page(result.rows, dict(result.claims), result.findings, result.scores, figures, captions)
-    (folder / "reproduction.md").write_text(text, encoding="utf-8", newline="\n")
+    return {
+        "plants": list(result.plants),
+        "flights": len(result.flights),
+        "scores": result.scores,
+        "claims": [
+            {**c.improvement._asdict(), "answer": c.answer, "under": c.conditions}
+            for claims in result.claims.values()
+            for c in claims
+        ],
+        "findings": [f._asdict() for f in result.findings],
+        "provenance": {**origin, "plant_settings": settings},
+    }
 
 
 def _json_list(rows: Sequence[Row]) -> str:
-
     return "[\n" + ",\n".join(json.dumps(row, allow_nan=False) for row in rows) + "\n]\n"
 
 

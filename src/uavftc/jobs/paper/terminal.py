@@ -11,11 +11,12 @@ from rich.text import Text
 
 from uavftc.jobs.paper.page import claims_summary
 from uavftc.jobs.paper.reproduction import Reproduction
+from uavftc.jobs.paper.tables import scored
 
 
 def print_reproduction(console: Console, result: Reproduction, folder: Path) -> None:
     """Print the closing block of a reproduction."""
-    title = Text("rms of ln(ours / printed), 48 integral metrics of NNDONDI-L1", style="bold")
+    title = Text(f"rms of ln(ours / printed), {scored()} integral metrics of NNDONDI-L1", style="bold")
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("plant")
     table.add_column("units")

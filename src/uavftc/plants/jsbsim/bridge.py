@@ -1,8 +1,9 @@
-"""The bridge between the signal row and JSBSim, in two compiled laws; what crosses are plain doubles.
+"""The bridge between the signal row and JSBSim, in compiled laws; what crosses are plain doubles.
 
 `observe` turns what JSBSim reports (feet, heading in [0, 2 pi)) into the row's SI and continuous heading.
-`command` turns the row's deflections, disturbance and wind into what JSBSim is given, and holds the airspeed of an
-aircraft that has no autothrottle of its own.
+`push` turns the row's disturbance and wind into what JSBSim is given.
+`hold_airspeed` holds the airspeed of an aircraft that has no autothrottle of its own.
+`command` turns the deflection of one effector into its command, at each frame.
 
 A disturbance d2 is exact: it enters as the body moment J d2.
 """
@@ -14,16 +15,17 @@ from math import pi
 import numpy as np
 
 from uavftc.core.linear3 import multiply
-from uavftc.core.stage import NOTHING, Stage, carray, law
+from uavftc.core.stage import NOTHING, Stage, law
+from uavftc.plants.analytic import VEHICLE
 from uavftc.plants.jsbsim.units import FT_M, LBF_N, SLUGFT2_KGM2
 
 OBSERVE_STATE = np.dtype([("started", "f8"), ("psi", "f8")])  # heading of the previous sample, rad
 
-COMMAND_PARAMS = np.dtype(
+PUSH_PARAMS = np.dtype([("J", "f8", (3, 3))])  # kg m^2
+PUSH_STATE = np.dtype([("moment_lbsft", "f8", (3,)), ("wind_fps", "f8", (3,))])
+
+HOLD_PARAMS = np.dtype(
     [
-        ("trim", "f8", (3,)),  # surface commands at trim, in their own units
-        ("rad_per_command", "f8", (3,)),  # deflection, rad, per unit of command
-        ("J", "f8", (3, 3)),  # kg m^2
         ("h", "f8"),  # sample time, s
         ("throttle", "f8"),  # at trim
         ("airspeed", "f8"),  # to hold, m/s
@@ -31,20 +33,19 @@ COMMAND_PARAMS = np.dtype(
         ("ki", "f8"),  # throttle per m
     ]
 )
-COMMAND_STATE = np.dtype(
+HOLD_STATE = np.dtype([("throttle", "f8"), ("integral", "f8")])  # command, 0..1, and the part of it that is an integral
+
+COMMAND_PARAMS = np.dtype(
     [
-        ("surface_late", "f8", (3,)),  # command, in its own unit
-        ("throttle", "f8"),  # command, 0..1
-        ("moment_lbsft", "f8", (3,)),
-        ("wind_fps", "f8", (3,)),
-        ("surface", "f8", (3,)),  # command until the switch inside a sample
-        ("integral", "f8"),  # of the airspeed hold, in throttle
+        ("trim", "f8"),  # command at trim, in its own unit
+        ("rad_per_command", "f8"),  # deflection, rad, per unit of command
     ]
 )
+COMMAND_STATE = np.dtype([("command", "f8")])  # in its own unit
 
 
 @law
-def observe(s, row):
+def observe(p, s, row):
     """Convert the raw values in the row to SI, in place, and make the heading continuous."""
     psi = row.x1[2]
     if s.started != 0.0:
@@ -59,34 +60,31 @@ def observe(s, row):
 
 
 @law
-def command(p, s, row):
-    """Write what JSBSim is given into the state."""
+def push(p, s, row):
+    """Write the disturbing moment and the wind into the state."""
     moment = multiply(p.J, row.d2)
     for i in range(3):
-        s.surface[i] = p.trim[i] + row.u2[i] / p.rad_per_command[i]
-        s.surface_late[i] = p.trim[i] + row.u2_late[i] / p.rad_per_command[i]
         s.moment_lbsft[i] = moment[i] / SLUGFT2_KGM2
         s.wind_fps[i] = row.wind_n[i] / FT_M
-    hold_airspeed(p, s, row.airspeed)
 
 
 @law
-def hold_airspeed(p, s, airspeed):
+def hold_airspeed(p, s, row):
     """PI on the airspeed error about the trim throttle; the integral rests where the throttle is at its end."""
-    error = p.airspeed - airspeed
-    wanted = p.throttle + p.kp * error + s.integral
-    if (wanted < 1.0 or error < 0.0) and (wanted > 0.0 or error > 0.0):
+    error = p.airspeed - row.airspeed
+    throttle = p.throttle + p.kp * error + s.integral
+    if (throttle < 1.0 or error < 0.0) and (throttle > 0.0 or error > 0.0):
         s.integral += p.ki * p.h * error
-    s.throttle = min(1.0, max(0.0, wanted))
+    s.throttle = min(1.0, max(0.0, throttle))
 
 
-@Stage(NOTHING, OBSERVE_STATE)
-def observe_stage(p, s, row):
-    """Entry."""
-    observe(carray(s, 1)[0], carray(row, 1)[0])
+@law
+def command(p, s, e, row):
+    """Write the command of the effector into the state."""
+    s.command = p.trim + e.deflection / p.rad_per_command
 
 
-@Stage(COMMAND_PARAMS, COMMAND_STATE)
-def command_stage(p, s, row):
-    """Entry."""
-    command(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
+observe_stage = Stage(observe, NOTHING, OBSERVE_STATE, reads=[], writes=VEHICLE)
+push_stage = Stage(push, PUSH_PARAMS, PUSH_STATE, reads=["d2", "wind_n"], writes=[])
+hold_stage = Stage(hold_airspeed, HOLD_PARAMS, HOLD_STATE, reads=["airspeed"], writes=[])
+command_stage = Stage(command, COMMAND_PARAMS, COMMAND_STATE, reads=["deflection"], writes=[])

@@ -13,6 +13,7 @@ import jsbsim
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
+from uavftc.analysis.modes import STATES
 from uavftc.core.signals import SURFACES
 from uavftc.plants.jsbsim.trim import Trim, accelerations, command, has, place, run_for, set_throttle
 
@@ -22,10 +23,6 @@ SURFACE_STEPS = (0.002, 0.01)  # of the command's range either side
 RATE_STEP = 2e-3  # rad/s, and rad for angles
 SPEED_STEP = 0.1  # m/s
 THROTTLE_STEP = 0.02
-
-STATES = ("V", "alpha", "q", "theta", "beta", "p", "r", "phi")
-"""States of the full linear model: airspeed, m/s; angles, rad; body rates, rad/s."""
-
 
 PLACED = {"V": "airspeed", "alpha": "alpha", "beta": "beta", "theta": "theta", "phi": "phi"}
 """States that are placed by name; the rates have an argument of their own."""

@@ -19,10 +19,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import platformdirs
 
 from uavftc.aircraft import definition as aircraft_module
 from uavftc.aircraft.definition import Aircraft
+from uavftc.analysis import modes
+from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
 
 TIMEOUT_S = 120.0
@@ -51,7 +52,7 @@ class TrimmedModel(NamedTuple):
     limits_rad: list[list[float]]
     """(3, 2) least and greatest u about trim, from the range of the command."""
     A: list[list[float]]
-    """(8, 8) over `linearise.STATES`."""
+    """(8, 8) over `analysis.modes.STATES`."""
     B: list[list[float]]
     """(6, 3) change of u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2, per rad of u."""
     throttle_mps2: float
@@ -184,9 +185,14 @@ def cache_dir() -> Path:
     """Return the folder of trimmed models for exactly this code, this planet and this JSBSim."""
     digest = hashlib.sha256(metadata.version("jsbsim").encode())
     here = Path(__file__).parent
-    for source in (Path(aircraft_module.__file__), *sorted(here.glob("*.py")), *sorted(here.glob("*.xml"))):
+    for source in (
+        Path(aircraft_module.__file__),
+        Path(modes.__file__),
+        *sorted(here.glob("*.py")),
+        *sorted(here.glob("*.xml")),
+    ):
         digest.update(source.read_bytes())
-    return platformdirs.user_cache_path("uavftc") / "models" / digest.hexdigest()[:16]
+    return cache_folder("models", digest.hexdigest()[:16])
 
 
 def _in_child(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) -> str:

@@ -12,9 +12,8 @@ import shutil
 import tempfile
 from pathlib import Path
 
-import platformdirs
-
 from uavftc.aircraft.definition import Aircraft
+from uavftc.core.cache import cache_folder
 
 MOMENT = "uavftc-disturbance"
 _ELEMENT = f"""
@@ -41,25 +40,20 @@ def add_moment(xml: str) -> str:
 
 def copy_with_moment(aircraft: Aircraft) -> Path:
     """Return the folder of a copy of the aircraft that has the moment, made at the first call."""
-    base = platformdirs.user_cache_path("uavftc") / "with-moment" / aircraft.sha256()[:32]
+    cache = cache_folder("with-moment")
+    base = cache / aircraft.sha256()[:32]
     folder = base / aircraft.folder.name
     if folder.is_dir():
         return folder
-    try:
-        base.parent.mkdir(parents=True, exist_ok=True)
-        partial = Path(tempfile.mkdtemp(prefix=".partial-", dir=base.parent))
-    except OSError:  # a cache that cannot be written
-        base = partial = Path(tempfile.mkdtemp(prefix="uavftc-"))
-        folder = base / aircraft.folder.name
+    partial = Path(tempfile.mkdtemp(prefix=".partial-", dir=cache))
     copy = partial / aircraft.folder.name
     shutil.copytree(aircraft.folder, copy)
     xml = copy / aircraft.xml.name
     os.chmod(xml, 0o644)
     text = xml.read_text(encoding="utf-8", errors="surrogateescape")
     xml.write_text(add_moment(text), encoding="utf-8", errors="surrogateescape")
-    if partial != base:
-        try:
-            partial.rename(base)
-        except OSError:  # another process was first
-            shutil.rmtree(partial, ignore_errors=True)
+    try:
+        partial.rename(base)
+    except OSError:  # another process was first
+        shutil.rmtree(partial, ignore_errors=True)
     return folder

@@ -17,14 +17,16 @@ import jsbsim
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
+from uavftc.core.program import Program
 from uavftc.core.signals import ROW
-from uavftc.core.stage import Block, Program, params_of
+from uavftc.core.stage import Block, params_of, records_of
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import bridge
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
 from uavftc.plants.jsbsim.moment import moment_name
 from uavftc.plants.jsbsim.trim import WIND, Trim, start
+from uavftc.plants.jsbsim.writer import writer
 
 STATE_PROPERTIES = (
     "attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad",
@@ -37,12 +39,6 @@ CONTACT = "forces/fbz-gear-lbs"
 
 _OFFSET = ROW.fields["x1"][1]  # type: ignore[index]
 _READ = struct.Struct(f"{len(STATE_PROPERTIES) + 2}d")
-_ALWAYS, _VECTOR = struct.Struct("4d"), struct.Struct("3d")
-_AT_MOMENT, _AT_WIND, _AT_EARLY = (
-    bridge.COMMAND_STATE.fields[name][1]  # type: ignore[index]
-    for name in ("moment_lbsft", "wind_fps", "surface")
-)
-
 INTEGRATORS = {
     "simulation/integrator/rate/rotational": 4,
     "simulation/integrator/rate/translational": 3,
@@ -65,7 +61,7 @@ class JSBSimPlant:
     aircraft, model
         What to fly, and its trimmed model at the initial condition.
     timing
-        Sample time, frames a sample, and the switch inside a sample.
+        Sample time, and frames a sample.
     wind_n
         Wind at time zero, north-east-down, shape (3,), m/s.
     has_wind, has_moment
@@ -90,12 +86,13 @@ class JSBSimPlant:
     ) -> None:
         integrators = INTEGRATORS if integrators is None else integrators
         self.trim = trim = Trim(**model.trim)
-        self.fdm = fdm = initialised(aircraft, timing.h / timing.substeps, with_moment=has_moment)
+        self.fdm = fdm = initialised(aircraft, timing.plant_step, with_moment=has_moment)
         start(fdm, aircraft, trim, wind_n, integrators)
         self.x1_trim = np.array([trim.phi, trim.theta, 0.0])
         self.u_limits = np.array(model.limits_rad)
+        self.program_substeps = 1
         self.settings: dict[str, Any] = {
-            "step_s": timing.h / timing.substeps,
+            "step_s": timing.plant_step,
             "integrators": {name.removeprefix("simulation/integrator/"): code for name, code in integrators.items()},
             "trim": {
                 "method": trim.method,
@@ -111,24 +108,33 @@ class JSBSimPlant:
         holds = aircraft.autothrottle is None and model.engines > 0 and model.throttle_mps2 > HOLD_MIN
         kp = HOLD_BANDWIDTH / model.throttle_mps2 if holds else 0.0
         self.settings["airspeed_hold"] = "aircraft" if aircraft.autothrottle else "bridge" if holds else "none"
-        self._bind(aircraft, model.engines, has_wind=has_wind, has_moment=has_moment, holds=holds)
-        # part of each frame of a sample in which the earlier command still applies
-        edges = np.clip(timing.switch * timing.substeps - np.arange(timing.substeps), 0.0, 1.0)
-        self._early_parts = [float(x) for x in edges]
+        n = len(trim.surfaces)
+        # what JSBSim is given lies in one piece of memory, so that one call unpacks it
+        self._out = np.zeros(n + (bridge.HOLD_STATE.itemsize + bridge.PUSH_STATE.itemsize) // 8)
+        commands, rest = self._out[:n].view(bridge.COMMAND_STATE), self._out[n:]
+        hold, push = rest[:2].view(bridge.HOLD_STATE), rest[2:].view(bridge.PUSH_STATE)
         self._command = bridge.command_stage.block(
+            records_of(bridge.COMMAND_PARAMS, n, trim=trim.surfaces, rad_per_command=model.rad_per_command),
+            commands,
+            name="command",
+        )
+        self._hold = bridge.hold_stage.block(
             params_of(
-                bridge.COMMAND_PARAMS,
-                trim=trim.surfaces,
-                rad_per_command=model.rad_per_command,
-                J=model.inertia_kgm2,
+                bridge.HOLD_PARAMS,
                 h=timing.h,
                 throttle=trim.throttle,
                 airspeed=trim.airspeed,
                 kp=kp,
                 ki=HOLD_INTEGRAL * kp,
-            )
+            ),
+            hold,
+            name="airspeed hold",
         )
-        self._observe = bridge.observe_stage.block()
+        self._push = bridge.push_stage.block(params_of(bridge.PUSH_PARAMS, J=model.inertia_kgm2), push, name="push")
+        self._observe = bridge.observe_stage.block(name="observe")
+        self._frames = timing.substeps
+        self._pushes = has_wind or has_moment
+        self._bind(aircraft, model.engines, has_wind=has_wind, has_moment=has_moment, holds=holds)
 
     def _bind(self, aircraft: Aircraft, engines: int, *, has_wind: bool, has_moment: bool, holds: bool) -> None:
         """Look every property up once; a bound accessor costs a tenth of a look-up."""
@@ -138,63 +144,49 @@ class JSBSimPlant:
         throttle = node(position).get_double_value if throttles else lambda: math.nan
         self._get = [node(name).get_double_value for name in STATE_PROPERTIES]
         self._get += [throttle, node(CONTACT).get_double_value]
-        self._set_surface = [node(s.command).set_double_value for s in aircraft.surface_list()]
-        self._set_wind = [node(name).set_double_value for name in WIND] if has_wind else None
-        self._set_throttle = [node(name).set_double_value for name in throttles] if holds else []
-        self._set_moment = None
+        surfaces = [[node(s.command).set_double_value] for s in aircraft.surface_list()]
+        held = [[node(name).set_double_value for name in throttles] if holds else [], []]  # throttle, its integral
+        moment, wind = [], []
         if has_moment:
             base = f"external_reactions/{moment_name(aircraft)}"
             self.fdm[f"{base}/magnitude-lbsft"] = 1.0
-            self._set_moment = [node(f"{base}/{axis}").set_double_value for axis in "lmn"]
+            moment = [[node(f"{base}/{axis}").set_double_value] for axis in "lmn"]
+        if has_wind:
+            moment = moment or [[]] * 3
+            wind = [[node(name).set_double_value] for name in WIND]
+        self._write = writer(self._out, [*surfaces, *held, *moment, *wind])
+        self._write_surfaces = writer(self._out, surfaces)
 
     def before(self) -> list[Block]:
-        """Return the block that converts what was read."""
-        return [self._observe]
+        """Return the blocks that convert what was read, and prepare what is written once a sample."""
+        return [self._observe, self._hold, *([self._push] if self._pushes else [])]
 
     def after(self) -> list[Block]:
-        """Return the block that prepares what is written."""
+        """Return the block that prepares what is written at each frame."""
         return [self._command]
 
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
-        step, run = program.run, self.fdm.run
-        pack, unpack, vector = _READ.pack_into, _ALWAYS.unpack_from, _VECTOR.unpack_from
-        buffer, out = rows.data.cast("B"), self._command.state.data.cast("B")
+        step, frame, pack = program.on(rows), self.fdm.run, _READ.pack_into
+        write, write_surfaces = self._write, self._write_surfaces
+        buffer, stride = rows.data.cast("B"), rows.strides[0]
         phi, theta, psi, p, q, r, v, h, alpha, beta, throttle, contact = self._get
-        set_a, set_e, set_r = self._set_surface
-        parts = self._early_parts
-        whole, single = parts[0] == 0.0, parts == [0.0]
-        moment, wind, throttles = self._set_moment, self._set_wind, self._set_throttle
+        more = range(1, self._frames)
+        again = program.again(rows) if more else None
         for k in range(first, last):
             pack(
-                buffer, k * ROW.itemsize + _OFFSET,
+                buffer, k * stride + _OFFSET,
                 phi(), theta(), psi(), p(), q(), r(), v(), h(), alpha(), beta(), throttle(), contact(),
             )  # fmt: skip
-            if step(rows, k, k + 1) == k:
+            if step(k, k + 1) == k:
                 return k
-            a1, e1, r1, thrust = unpack(out)
-            if moment is not None:
-                set_l, set_m, set_n = moment
-                roll, pitch, yaw = vector(out, _AT_MOMENT)
-                set_l(roll), set_m(pitch), set_n(yaw)
-            if wind is not None:
-                for set_wind, speed in zip(wind, vector(out, _AT_WIND), strict=True):
-                    set_wind(speed)
-            for set_throttle in throttles:
-                set_throttle(thrust)
-            if whole:
-                set_a(a1), set_e(e1), set_r(r1)
-                if single:
-                    run()
-                else:
-                    for _ in parts:
-                        run()
-            else:
-                a0, e0, r0 = vector(out, _AT_EARLY)
-                for early in parts:
-                    late = 1.0 - early
-                    set_a(early * a0 + late * a1), set_e(early * e0 + late * e1), set_r(early * r0 + late * r1)
-                    run()
+            write()
+            frame()
+            for _ in more:
+                if not again(k):  # type: ignore[misc]  # there is one where there are more frames
+                    return k
+                write_surfaces()
+                frame()
         return last
 
 

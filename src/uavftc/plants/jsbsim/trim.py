@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import jsbsim
 import numpy as np
-from scipy.optimize import root
 
 from uavftc.aircraft.definition import Aircraft
 from uavftc.plants.jsbsim.units import FT_M
@@ -172,6 +171,8 @@ def trim_jsbsim(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, alti
 
 def trim_own(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim | None:
     """Return the own trim, with a glide for an aircraft without engines, or None. The FDM is left frozen."""
+    from scipy.optimize import root  # noqa: PLC0415 - 0.1 s that a flight from a known trim need not pay
+
     freeze(fdm)
     glides = fdm.get_propulsion().get_num_engines() == 0
     place(fdm, airspeed=airspeed, altitude=altitude, alpha=0.0)

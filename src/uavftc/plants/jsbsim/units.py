@@ -5,6 +5,9 @@ from __future__ import annotations
 FT_M = 0.3048
 """One foot in metres (international foot, exact)."""
 
+IN_M = 0.0254
+"""One inch in metres (exact)."""
+
 LBF_N = 4.4482216152605
 """One pound-force in newtons (exact: 0.45359237 kg times 9.80665 m/s^2)."""
 

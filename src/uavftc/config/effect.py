@@ -1,0 +1,59 @@
+"""What an effect is, and where its keys stand in a scenario.
+
+An effect (of the actuators, the sensors, the air, a control law) is one module with
+
+    Config        its keys: a `values.Model`; None if it has none
+    its place     one of SECTION, KEYS_IN and ENTRY_OF, see below
+    blocks        blocks(config, given) -> list of blocks; empty where it does nothing, so that it costs nothing
+    prescribe     prescribe(entry, t, records, effectors): signals of time that a scenario gives; optional
+    REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
+    warnings      warnings(entry, t) -> what is allowed and worth knowing about it, a line each; optional
+
+and it takes part by standing in the tuple of its chain. The place is one of
+
+    SECTION = "saturation"       `Config` is a section of its own, which may be null
+    KEYS_IN = "sensors"          the keys of `Config` stand in this section, next to those of other effects
+    ENTRY_OF = "faults"          `Config` is one kind of entry in this list
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Any
+
+from pydantic import BaseModel, create_model
+
+from uavftc.config.values import Model
+
+Effect = ModuleType
+
+
+def configs(effects: Sequence[Effect], place: str, name: str) -> list[type[BaseModel]]:
+    """Return the `Config` of each effect whose `place` (SECTION, KEYS_IN, ENTRY_OF) is `name`, in their order."""
+    return [effect.Config for effect in effects if getattr(effect, place, None) == name]
+
+
+def section(name: str, effects: Sequence[Effect], doc: str, module: str) -> Any:
+    """Return the section in which the effects with KEYS_IN `name` have their keys, in their order.
+
+    `module` holds it under its name, capitalised, so that a scenario can be sent to another process.
+    """
+    bases = tuple(reversed(configs(effects, "KEYS_IN", name))) or (Model,)
+    return create_model(name.capitalize(), __base__=bases, __doc__=doc, __module__=module)
+
+
+def default_kind(config: type[BaseModel]) -> str:
+    """Return the kind of a section, as a scenario names it."""
+    return str(config.model_fields["kind"].default)
+
+
+def config_of(effect: Effect, scenario: Any) -> Any:
+    """Return what a scenario says of an effect: its section or None, the section with its keys, or its entries."""
+    if hasattr(effect, "SECTION"):
+        return getattr(scenario, effect.SECTION)
+    if hasattr(effect, "KEYS_IN"):
+        return getattr(scenario, effect.KEYS_IN)
+    if hasattr(effect, "ENTRY_OF"):
+        return tuple(entry for entry in getattr(scenario, effect.ENTRY_OF) if isinstance(entry, effect.Config))
+    return None

@@ -1,0 +1,37 @@
+"""What the laws of a flight read and write, checked when it is built."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from uavftc.core.stage import Block, PythonBlock
+
+PRESCRIBED = frozenset(["t", "x1_c", "effectiveness", "bias", "d1", "d2", "wind_n"])
+"""Fields that the scenario gives, filled in before a row is flown."""
+
+DEFAULT = frozenset(["d1_hat", "u2"])
+"""Fields that mean nothing happens where nobody writes them: they are zero."""
+
+CUSTOM = frozenset(["v2"])
+"""What a law that does not say what it writes, and a step in plain Python, is taken to write."""
+
+
+def check_flow(blocks: Sequence[Block | PythonBlock]) -> None:
+    """Check that each law reads only what was written before it in the row.
+
+    Raises
+    ------
+    ValueError
+        If one reads a field that nothing before it has written.
+    """
+    written = set(PRESCRIBED | DEFAULT)
+    for block in blocks:
+        stage = block.stage if isinstance(block, Block) else None
+        if stage is None or stage.writes is None:
+            written |= CUSTOM
+        if stage is None:
+            continue
+        missing = (stage.reads or frozenset()) - written
+        if missing:
+            raise ValueError(f"{block.name} reads {', '.join(sorted(missing))}, which nothing before it has written")
+        written |= stage.writes or frozenset()

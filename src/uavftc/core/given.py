@@ -1,0 +1,48 @@
+"""What a flight gives to the laws and effects that are built for it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class ControlDesign(NamedTuple):
+    """What a controller may be designed from: x2' = A x2 + B v2 about the trim, and where v2 is cut off."""
+
+    A: np.ndarray
+    """Rotational state matrix, shape (3, 3), 1/s, of x2 = [p, q, r]."""
+    B: np.ndarray
+    """Control matrix, shape (3, 3), 1/s^2 per rad of [aileron, elevator, rudder]."""
+    limits_rad: np.ndarray
+    """Least and greatest deflection about trim, shape (3, 2), rad: saturation and stops, inf where there are none."""
+    x1_trim: np.ndarray
+    """Attitude of the trim [phi, theta, psi], shape (3,), rad."""
+    name: str
+    """Of the aircraft."""
+
+
+class Given(NamedTuple):
+    """A flight as its blocks see it."""
+
+    h: float
+    """Sample time of the controller, s."""
+    plant_step: float
+    """Time step of the plant, s; the actuators run at it."""
+    steps: int
+    """Controller steps of the flight."""
+    seed: int
+    """Of everything random."""
+    effectors: tuple[str, ...]
+    """Names of the effectors, in their order in a row."""
+    stops_rad: np.ndarray
+    """Mechanical stops of each effector: least and greatest deflection about trim, shape (n, 2), rad."""
+    mixing: np.ndarray
+    """Effector commands from axis commands, shape (n, 3): deflection = mixing v2."""
+    design: ControlDesign
+    """What the controller is designed from."""
+
+    @property
+    def psi_0(self) -> float:
+        """Heading at the start, rad."""
+        return float(self.design.x1_trim[2])

@@ -1,0 +1,30 @@
+"""d2 of eq. (7): an angular acceleration in body axes; on JSBSim the body moment J d2."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from uavftc.config.values import ZERO, Signal, Window
+
+ENTRY_OF = "disturbances"
+FIELD = "d2"
+
+
+class Config(Window):
+    """d2 of eq. (7): an angular acceleration in body axes, deg/s^2."""
+
+    kind: Literal["angular-acceleration"] = "angular-acceleration"
+    p_degps2: Signal = ZERO
+    """signal: angular acceleration about the body x axis"""
+    q_degps2: Signal = ZERO
+    """signal: about the body y axis"""
+    r_degps2: Signal = ZERO
+    """signal: about the body z axis"""
+
+
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+    """Add it to d2, rad/s^2, at the times t, s, of the window."""
+    for i, signal in enumerate((entry.p_degps2, entry.q_degps2, entry.r_degps2)):
+        records["d2"][:, i] += np.pi / 180.0 * signal.sample(t)

@@ -1,0 +1,139 @@
+"""The condition of a flight: at which airspeed and altitude, and whether the controller can fly the aircraft there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from uavftc.aircraft.definition import Aircraft
+from uavftc.analysis.authority import Authority, authority, obstacles
+from uavftc.control.inner.predictor import A_M
+from uavftc.errors import InputError
+from uavftc.plants.jsbsim.model import ALTITUDE_M, TrimmedModel, trimmed_model, trimmed_models
+from uavftc.scenario.controllers import CustomController
+from uavftc.scenario.schema import Scenario
+
+AMPLE = 3.0  # authority, available over demanded, with which an airspeed is chosen without looking further
+
+
+def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
+    """Return the aircraft's trimmed model at the scenario's condition, or None where the analytic plant needs none.
+
+    Where neither scenario nor aircraft give an airspeed, the lowest with authority for the demanded step is chosen.
+
+    Raises
+    ------
+    InputError
+        If there is no trim, or the controller cannot fly the aircraft there.
+    """
+    if scenario.plant == "analytic" and aircraft.analytic is not None and aircraft.mass_properties is not None:
+        return None
+    airspeed, altitude = condition_of(scenario, aircraft)
+    if airspeed is None:
+        return choose_airspeed(scenario, aircraft, trimmed_models(aircraft, altitude))
+    model = trimmed_model(aircraft, airspeed, altitude)
+    if aircraft.analytic is None:
+        refuse_unflyable(scenario, aircraft, model)
+    return model
+
+
+def condition_of(scenario: Scenario, aircraft: Aircraft) -> tuple[float | None, float]:
+    """Return airspeed, m/s, and altitude, m, of the scenario or else the aircraft's own; None is to be chosen."""
+    own = aircraft.initial
+    altitude = scenario.initial.altitude_m or (own.altitude_m if own else ALTITUDE_M)
+    return scenario.initial.airspeed_mps or (own.airspeed_mps if own else None), altitude
+
+
+def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
+    """Return the authority of a trimmed model for the largest step of the scenario's reference."""
+    controller = scenario.controller
+    # a custom controller states neither; the paper's stand for a step of ordinary haste
+    A_m, bandwidth = A_M, (0.5, 0.5, 0.5)
+    if not isinstance(controller, CustomController):
+        A_m = getattr(controller.inner, "A_m", A_m)  # as do laws that have none of them
+        bandwidth = getattr(controller.outer, "bandwidth", bandwidth)
+    return authority(
+        np.array(model.A),
+        np.array(model.B),
+        np.array(model.limits_rad),
+        A_m=np.array(A_m),
+        bandwidth=np.array(bandwidth),
+        step=largest_step(scenario),
+    )
+
+
+def largest_step(scenario: Scenario) -> np.ndarray:
+    """Return the largest change of the reference from the trim, shape (3,), rad."""
+    reference, t = scenario.reference, scenario.times()
+    signals = (reference.phi_deg, reference.theta_deg, reference.psi_deg)
+    return np.radians([float(np.max(np.abs(s.sample(t[:1] if s.constant is not None else t)))) for s in signals])
+
+
+def choose_airspeed(scenario: Scenario, aircraft: Aircraft, models: Sequence[TrimmedModel]) -> TrimmedModel:
+    """Return the model at the lowest airspeed with ample authority, or else with the most.
+
+    Raises
+    ------
+    InputError
+        If none has enough.
+    """
+    best = best_model(scenario, models)
+    refuse_unflyable(scenario, aircraft, best)
+    return best
+
+
+def best_model(scenario: Scenario, models: Sequence[TrimmedModel]) -> TrimmedModel:
+    """Return the model at the lowest airspeed with ample authority, or else with the most, flyable or not."""
+    ratios = []
+    for model in models:
+        found = obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
+        ratios.append(-1.0 if found else float(np.min(authority_of(scenario, model).ratio)))
+    ample = [i for i, ratio in enumerate(ratios) if ratio >= AMPLE]
+    return models[ample[0] if ample else int(np.argmax(ratios))]
+
+
+def reasons_against(scenario: Scenario, model: TrimmedModel) -> list[str]:
+    """Return why the controller cannot fly an aircraft at a trim; empty if it can."""
+    limits, nonlinearity = np.array(model.limits_rad), np.array(model.nonlinearity)
+    found = obstacles(model.B_rates, limits, nonlinearity, None)
+    return found or obstacles(model.B_rates, limits, nonlinearity, authority_of(scenario, model).ratio)
+
+
+def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel) -> None:
+    """Refuse an aircraft that the controller cannot fly at a trim.
+
+    Raises
+    ------
+    InputError
+        If a surface does not respond, B is ill-conditioned, or an axis has too little authority for the reference.
+    """
+    if found := reasons_against(scenario, model):
+        airspeed = model.trim["airspeed"]
+        raise InputError(
+            f"aircraft {aircraft.name}, at {airspeed:g} m/s and {model.trim['altitude']:g} m",
+            found="; ".join(found),
+            expected="three surfaces that respond, each mostly on its own axis, with authority for the reference",
+            remedy="choose another initial.airspeed_mps, a smaller reference, or another aircraft "
+            f"(uavftc design {aircraft.reference} shows the numbers)",
+        )
+
+
+def check_start(scenario: Scenario) -> None:
+    """Refuse an envelope that the flight would start outside of.
+
+    Raises
+    ------
+    InputError
+        If the initial airspeed is not inside the envelope of a resolved scenario.
+    """
+    low, high = scenario.envelope.min_airspeed_mps or 0.0, scenario.envelope.max_airspeed_mps or math.inf
+    airspeed = scenario.initial.airspeed_mps or 0.0
+    if scenario.plant == "jsbsim" and not low < airspeed < high:
+        raise InputError(
+            "key envelope",
+            found=f"an airspeed at the start of {airspeed:g} m/s, outside {low:g} to {high:g} m/s",
+            expected="a flight that starts inside its envelope",
+            remedy="change initial.airspeed_mps, envelope.min_airspeed_mps or envelope.max_airspeed_mps",
+        )

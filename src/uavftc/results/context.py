@@ -1,0 +1,36 @@
+"""What the figures of a flight show next to its history: limits, faults, disturbances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+
+class FaultWindow(NamedTuple):
+    """A fault on one surface from `start_s` to `end_s` (may reach past the flight), and what to write into it."""
+
+    surface: str
+    start_s: float
+    end_s: float
+    label: str
+
+
+@dataclass(frozen=True)
+class FigureContext:
+    """What the figures show next to the history."""
+
+    title: str
+    limits_rad: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
+    """Least and greatest deflection about trim of each surface, rad; None or absent where there is no limit."""
+    faults: Sequence[FaultWindow] = ()
+    disturbances_s: Sequence[float] = ()
+    """Times at which a disturbance begins, ends or changes, s."""
+    wind: bool = False
+    """Whether the scenario has wind; without it, the figure of the air shows the throttle in its place."""
+
+
+def fault_label(effectiveness: float | str, bias_deg: float | str = 0.0) -> str:
+    """Return a label that fits a fault's window: what multiplies the deflection, and what is added to it."""
+    bias = "" if bias_deg in (0, "0") else f"\nbias {bias_deg} deg"
+    return f"ω = {effectiveness}{bias}"

@@ -1,0 +1,118 @@
+"""What is kept of a flight, and what is written and drawn of it: the same for one flight and for one among many."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uavftc.control.custom.module import checksum
+from uavftc.core.signals import SURFACES
+from uavftc.flight.build import Flight
+from uavftc.flight.fly import CHUNK_ROWS, Outcome
+from uavftc.flight.inputs import Inputs
+from uavftc.results.context import FaultWindow, FigureContext, fault_label
+from uavftc.results.history import write_history
+from uavftc.results.summary import provenance, summary, title_of
+from uavftc.scenario.controllers import CustomController
+from uavftc.scenario.load import controller_name, scenario_text, warnings
+from uavftc.scenario.schema import Scenario
+
+
+class FlightResult(NamedTuple):
+    """A flight that is over; it can be sent from one process to another."""
+
+    scenario: Scenario
+    """As flown."""
+    outcome: Outcome
+    axes: dict[str, dict[str, float | None]]
+    """The metrics, as in `summary.json`."""
+    history: dict[str, np.ndarray] | None
+    """Published columns, shape (N + 1,) each; None where they are not kept, or on disk."""
+    origin: dict[str, Any]
+    """Its provenance, from `origin_of`."""
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """How the plant was integrated and started."""
+        settings: dict[str, Any] = self.origin["plant_settings"]
+        return settings
+
+    def summary(self) -> dict[str, Any]:
+        """Return the document of `summary.json`."""
+        scenario, outcome = self.scenario, self.outcome
+        steps = max(outcome.rows - 1, 0)
+        return summary(
+            scenario=scenario.name,
+            aircraft=scenario.aircraft,
+            plant=scenario.plant,
+            controller=controller_name(scenario),
+            completed=outcome.completed,
+            ended_because=outcome.ended_because,
+            ended_at_s=outcome.ended_at_s,
+            axes=self.axes,
+            timing={
+                "flight_wall_s": outcome.wall_s,
+                "controller_steps": steps,
+                "us_per_controller_step": 1e6 * outcome.wall_s / max(steps, 1),
+            },
+            provenance=self.origin,
+            warnings=warnings(scenario),
+        )
+
+    def figure_context(self) -> FigureContext:
+        """Return what the figures of this flight show next to its history."""
+        scenario, outcome = self.scenario, self.outcome
+        end = scenario.duration_s
+        faults: Sequence[Any] = scenario.faults  # their types are assembled from the effects when it runs
+        disturbances: Sequence[Any] = scenario.disturbances
+        edges = [(d.start_s, d.end_s) for d in disturbances]
+        changes = {end if edge is None else edge for pair in edges for edge in pair}
+        title = title_of(self.summary())
+        if not outcome.completed:
+            title += f"\nLOST: {outcome.ended_because}" if outcome.ended_because else "\nLOST"
+        return FigureContext(
+            title=title,
+            limits_rad={
+                surface: tuple(pair) if np.isfinite(pair).any() else None
+                for surface, pair in zip(SURFACES, scenario.limits_rad(), strict=True)
+            },
+            faults=[
+                FaultWindow(
+                    fault.surface,
+                    fault.start_s,
+                    end if fault.end_s is None else fault.end_s,
+                    fault_label(fault.effectiveness.written, fault.bias_deg.written),
+                )
+                for fault in faults
+            ],
+            disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
+            wind=Inputs(scenario, np.zeros(3), SURFACES).acts_on("wind_n"),
+        )
+
+    def write_history(self, path: Path) -> None:
+        """Write `history.parquet`, to the byte as a flight streams it; the history must have been kept."""
+        assert self.history is not None
+        write_history(path, self.history, metadata_of(self.scenario, self.origin), chunk=CHUNK_ROWS)
+
+
+def origin_of(flight: Flight) -> dict[str, Any]:
+    """Return the provenance of a flight that is built: versions, seed, checksums, and how the plant was set up."""
+    scenario = flight.scenario
+    origin = provenance(
+        seed=scenario.seed,
+        scenario_sha256=hashlib.sha256(scenario_text(scenario).encode()).hexdigest(),
+        aircraft_sha256=flight.aircraft.sha256(),
+        plant_settings=flight.plant.settings,
+    )
+    if isinstance(scenario.controller, CustomController):
+        origin["controller_sha256"] = checksum(scenario.controller.kind)
+    return origin
+
+
+def metadata_of(scenario: Scenario, origin: dict[str, Any]) -> dict[str, str]:
+    """Return the text kept in the metadata of a `history.parquet`: the scenario as flown, and its provenance."""
+    return {"scenario": scenario_text(scenario), **{key: str(value) for key, value in origin.items()}}

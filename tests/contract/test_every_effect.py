@@ -1,0 +1,326 @@
+"""One suite over every effect and every law: what a file promises that stands in the tuple of its chain."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+import typing
+from types import ModuleType
+
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+from uavftc import actuators, environment, sensors
+from uavftc.actuators import stops
+from uavftc.config.described import descriptions
+from uavftc.config.effect import config_of
+from uavftc.config.explain import unit_of
+from uavftc.config.values import Model
+from uavftc.control import inner, outer, whole
+from uavftc.control.custom.controller import custom_blocks
+from uavftc.core.given import Given
+from uavftc.core.program import Program
+from uavftc.core.signals import EFFECTOR, ROW, ROW_WIDTH, as_records, empty_rows
+from uavftc.core.stage import RAW, Block, Stage, records_of
+from uavftc.flight.build import build_flight
+from uavftc.scenario.schema import Scenario
+
+GROUPS = {
+    "actuators": actuators.CHAIN,
+    "sensors": sensors.CHAIN,
+    "environment": environment.KINDS,
+    "outer": outer.KINDS,
+    "inner": inner.KINDS,
+}
+EVERY = [(group, effect) for group, effects in GROUPS.items() for effect in effects]
+LAWS = [(group, effect) for group, effect in EVERY if group != "environment"]
+
+DIMENSIONLESS = {
+    "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
+    "integration", "centres", "width",
+}  # fmt: skip
+UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
+"""A unit in a description: keys named by a symbol of the paper have theirs there."""
+
+
+def named(pairs):
+    return pytest.mark.parametrize(
+        ("group", "effect"), pairs, ids=[f"{group}/{effect.__name__.rpartition('.')[2]}" for group, effect in pairs]
+    )
+
+
+def sections(annotation) -> list[type[BaseModel]]:
+    """Return the sections that an annotation admits."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [section for part in typing.get_args(annotation) for section in sections(part)]
+
+
+def all_sections(annotation) -> list[type[BaseModel]]:
+    """Return those that an annotation admits, and those inside them."""
+    inside = [
+        section
+        for outside in sections(annotation)
+        for field in outside.model_fields.values()
+        for section in all_sections(field.annotation)
+    ]
+    return [*sections(annotation), *inside]
+
+
+@functools.cache
+def scenario() -> Scenario:
+    return Scenario.model_validate({"name": "contract", "duration_s": 1, "plant": "analytic"})
+
+
+SURFACES_HIT = [{"surface": "rudder", "effectiveness": 0.5, "bias_deg": 1}]
+ON = {
+    "saturation": {"min_rad": -0.05, "max_rad": 0.1},
+    "faults": SURFACES_HIT,
+    "controller": {"delay_s": 0.0125},
+    "sensors": {"gyro_bias_degps": [1, -2, 3]},
+}
+
+
+@functools.cache
+def everything_on() -> Scenario:
+    return Scenario.model_validate({"name": "contract", "duration_s": 1, "plant": "analytic", **ON})
+
+
+@functools.cache
+def given() -> Given:
+    return build_flight(scenario()).given
+
+
+def config(group: str, effect: ModuleType, of: Scenario):
+    """Return what a scenario says of an effect; a law of a loop has its defaults and the aircraft's B_m."""
+    if group not in ("outer", "inner"):
+        return config_of(effect, of)
+    chosen = effect.Config()
+    return chosen.model_copy(update={"B_m": given().design.B.tolist()}) if hasattr(chosen, "B_m") else chosen
+
+
+@named(EVERY)
+def test_a_file_says_what_it_is(group: str, effect: ModuleType) -> None:
+    # a line that names it, then what its equations are
+    assert effect.__doc__
+    title = effect.__doc__.splitlines()[0]
+    assert 15 < len(title) <= 118
+    assert title.endswith((".", ":")) or effect.__doc__.splitlines()[1] != ""
+
+
+@named([(group, effect) for group, effect in EVERY if hasattr(effect, "Config")])
+def test_each_key_is_documented_and_has_a_unit_or_none(group: str, effect: ModuleType) -> None:
+    # the reference of the keys, the schema for editors and the error messages are made of these
+    found = all_sections(effect.Config)
+    assert found
+    for section in found:
+        assert issubclass(section, Model)
+        assert section.model_config["frozen"]
+        assert section.model_config["extra"] == "forbid"
+        assert inspect.getdoc(section)
+        texts = descriptions(section)
+        for key, field in section.model_fields.items():
+            if key == "kind" or sections(field.annotation):  # the section itself says what it is
+                continue
+            assert texts[key], f"{section.__qualname__}.{key} says nothing"
+            assert key in DIMENSIONLESS or unit_of(key) or UNIT.search(texts[key]), f"{key}: {texts[key]}"
+
+
+@named([(group, effect) for group, effect in EVERY if hasattr(effect, "Config")])
+def test_its_place_in_a_scenario_is_one(group: str, effect: ModuleType) -> None:
+    # a section, keys in one, or a kind of entry: `schema.py` looks for exactly these
+    places = [name for name in ("SECTION", "KEYS_IN", "ENTRY_OF") if hasattr(effect, name)]
+    if group in ("outer", "inner"):
+        assert places == []  # its kind is chosen in `controller`
+    else:
+        assert len(places) == 1
+    if "ENTRY_OF" in places or group in ("outer", "inner"):
+        assert isinstance(effect.Config.model_fields["kind"].default, str)
+    if "KEYS_IN" in places:
+        effect.Config()  # where nothing is said it is off: every key has a default
+
+
+def test_no_two_files_share_a_key_or_a_kind() -> None:
+    # the keys of a section come from several files, and a kind names one
+    for group, effects in GROUPS.items():
+        kinds = [e.Config.model_fields["kind"].default for e in effects if hasattr(e, "Config") and is_a_kind(e)]
+        assert len(set(kinds)) == len(kinds), group
+    shared = [(e.KEYS_IN, key) for _, e in EVERY if hasattr(e, "KEYS_IN") for key in e.Config.model_fields]
+    assert len(set(shared)) == len(shared)
+
+
+def is_a_kind(effect: ModuleType) -> bool:
+    return isinstance(effect.Config, type) and "kind" in effect.Config.model_fields
+
+
+@named(LAWS)
+def test_its_stage_is_made_of_its_step(group: str, effect: ModuleType) -> None:
+    # one implementation of each law, with the records it says
+    assert isinstance(effect.PARAMS, np.dtype)
+    assert isinstance(effect.STATE, np.dtype)
+    assert isinstance(effect.stage, Stage)
+    assert effect.stage.python is getattr(effect.step, "py_func", effect.step)
+    assert (effect.stage.params, effect.stage.state) == (effect.PARAMS, effect.STATE)
+    assert effect.stage.on_effector is (group == "actuators")
+    assert effect.stage.reads is not None
+    assert effect.stage.writes
+    assert effect.step.__doc__
+
+
+@named([(group, effect) for group, effect in EVERY if group == "environment"])
+def test_a_disturbance_prescribes_the_field_it_names(group: str, effect: ModuleType) -> None:
+    # the plants ask which fields are prescribed, and never look at the others
+    t = np.linspace(0.0, 1.0, 5)
+    needed = {"ramp_s": 0.5} if "ramp_s" in effect.Config.model_fields else {}
+    records = as_records(empty_rows(5))
+    if getattr(effect.Config, "refused", False):
+        with pytest.raises(ValueError, match="not available yet"):
+            effect.Config()
+        return
+    keys = [key for key in effect.Config.model_fields if unit_of(key) and not key.endswith("_s")]
+    assert len(keys) == 3
+    entry = effect.Config.model_validate({**needed, **dict.fromkeys(keys, 1.0)})
+    effect.prescribe(entry, t, records, given().effectors)
+    once = records[effect.FIELD].copy()
+    assert once.any(axis=0).all()
+    effect.prescribe(entry, t, records, given().effectors)
+    np.testing.assert_array_equal(records[effect.FIELD], 2.0 * once)  # those that overlap add up
+    assert not any(records[name].any() for name in ROW.names if name != effect.FIELD)
+
+
+@named(LAWS)
+def test_blocks_come_of_a_scenario_with_defaults(group: str, effect: ModuleType) -> None:
+    # what does nothing costs nothing: of the actuators only the stops of the aircraft are there
+    blocks = effect.blocks(config(group, effect, scenario()), given())
+    assert all(isinstance(block, Block) for block in blocks)
+    if group == "actuators":
+        assert blocks == [] or effect is stops
+    elif group in ("outer", "inner"):
+        assert blocks
+
+
+@named(LAWS)
+def test_blocks_come_of_a_scenario_in_which_it_acts(group: str, effect: ModuleType) -> None:
+    # names unlike those of the other effects, an entry an effector
+    blocks = effect.blocks(config(group, effect, everything_on()), finite_stops())
+    assert blocks
+    for block in blocks:
+        assert isinstance(block, Block)
+        assert block.params.dtype == block.stage.params
+        assert block.stage.state in (RAW, block.state.dtype)
+        assert len(block.params) == (len(given().effectors) if block.stage.on_effector else 1)
+
+
+def finite_stops() -> Given:
+    return given()._replace(stops_rad=np.array([[-0.3, 0.2]] * 3))
+
+
+def chain_of(group: str, of: Scenario, with_stops: Given) -> list[Block]:
+    return [b for effect in GROUPS[group] for b in effect.blocks(config(group, effect, of), with_stops)]
+
+
+def test_every_name_of_a_flights_blocks_is_its_own() -> None:
+    # two effects with one name could not fly together
+    names = [b.name for group in ("sensors", "actuators") for b in chain_of(group, everything_on(), finite_stops())]
+    assert len(set(names)) == len(names)
+
+
+# --- compiled and in plain Python ------------------------------------------------------------------------------------
+
+
+def random_rows(n: int) -> np.ndarray:
+    rows = np.random.default_rng(71).uniform(-0.3, 0.3, empty_rows(n).shape)
+    records = as_records(rows)
+    records["t"], records["status"] = np.arange(n) * 0.005, 0.0
+    return rows
+
+
+def in_python(block: Block, rows: np.ndarray) -> np.ndarray:
+    """Run the law of a block as it is written on records of its memory; return its state."""
+    state, raw = block.state.copy(), block.stage.state == RAW
+    params, memory = block.params.view(np.recarray), state if raw else state.view(np.recarray)
+    for row in rows:
+        signals = row[:ROW_WIDTH].view(ROW).view(np.recarray)[0]
+        if not block.stage.on_effector:
+            block.stage.python(params[0], state if raw else memory[0], signals)
+            continue
+        for i, effector in enumerate(row[ROW_WIDTH:].view(EFFECTOR).view(np.recarray)):
+            block.stage.python(params[i], memory[i], effector, signals)
+    return state
+
+
+def numbers(array: np.ndarray) -> np.ndarray:
+    """Return the numbers in records, of whatever fields, as one line."""
+    if array.dtype.names is None:
+        return np.ravel(array).astype(float)
+    return np.concatenate([np.ravel(array[name]).astype(float) for name in array.dtype.names])
+
+
+def assert_same(block: Block, samples: int) -> None:
+    rows = random_rows(samples)
+    plain = rows.copy()
+    expected = in_python(block, plain)
+    before = rows.copy()
+    assert Program([block]).run(rows, 0, samples) == samples
+    assert not np.array_equal(rows, before)  # it did something
+    np.testing.assert_allclose(rows, plain, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(numbers(block.state), numbers(expected), rtol=1e-12, atol=1e-12)
+
+
+@named(LAWS)
+def test_a_law_compiled_is_the_law_in_plain_python(group: str, effect: ModuleType) -> None:
+    # on random signals: what is read with NUMBA_DISABLE_JIT=1 in a debugger is what flies
+    blocks = effect.blocks(config(group, effect, everything_on()), finite_stops())
+    for block in blocks:
+        assert_same(block, 30)
+
+
+@pytest.mark.parametrize("name", whole.NAMES)
+def test_a_whole_controller_promises_the_same(name: str) -> None:
+    # it stands in the place of both loops: made of the design, tried before it flies
+    module = __import__(f"{whole.__name__}.{name}", fromlist=["x"])
+    assert module.__doc__.strip()
+    *_, last = custom_blocks(name, given().design, given().h, {})
+    assert last.name == "custom"
+    if not isinstance(last, Block):
+        assert callable(module.create(given().design, given().h, {}))
+        return
+    assert module.stage.python is getattr(module.step, "py_func", module.step)
+    assert (module.stage.params, module.stage.state) == (module.PARAMS, module.STATE)
+    assert_same(last, 30)
+
+
+@pytest.mark.parametrize("field", ["deflection", "command"])
+@pytest.mark.parametrize("effector", [0, 1, 2])
+def test_nan_passes_through_the_chain_of_the_actuators(field: str, effector: int) -> None:
+    # a broken command must reach the watch, not become a plausible deflection: also by an effect that is new here
+    rows = empty_rows(8)
+    effectors = as_records(rows)["effectors"]
+    effectors["effectiveness"] = 1.0
+    effectors[field][:, effector] = np.nan
+    blocks = chain_of("actuators", everything_on(), finite_stops())
+    assert len(blocks) == len(actuators.CHAIN)
+    assert Program([], blocks).run(rows, 0, 8) == 8
+    expected = np.zeros(3, dtype=bool)
+    expected[effector] = field == "deflection"  # the command is the allocation's, the effects work on the deflection
+    np.testing.assert_array_equal(np.isnan(effectors["deflection"][-1]), expected)
+
+
+@named([(group, effect) for group, effect in EVERY if group == "actuators"])
+def test_nan_passes_through_each_of_the_actuators(group: str, effect: ModuleType) -> None:
+    # alone too, with finite limits, whatever is about it
+    (block,) = effect.blocks(config(group, effect, everything_on()), finite_stops())
+    rows = empty_rows(8)
+    as_records(rows)["effectors"]["effectiveness"] = 1.0
+    as_records(rows)["effectors"]["deflection"] = np.nan
+    Program([], [block]).run(rows, 0, 8)
+    assert np.isnan(as_records(rows)["effectors"]["deflection"][-1]).all()
+
+
+def test_limits_are_given_by_name_to_each_effector() -> None:
+    # the contract is checked with limits that bind: three effectors, three records
+    saturation = next(e for e in actuators.CHAIN if getattr(e, "SECTION", None) == "saturation")
+    (block,) = saturation.blocks(everything_on().saturation, given())
+    np.testing.assert_array_equal(block.params, records_of(saturation.PARAMS, 3, u_min=[-0.05] * 3, u_max=[0.1] * 3))

@@ -1,0 +1,164 @@
+"""Render the tables of keys in docs/scenarios.md from the code: the sections of the schema, and the order of the chain.
+
+    python tools/scenario_reference.py            # write them
+    python tools/scenario_reference.py --check    # exit code 1 if the page is not what the code says
+
+Each table stands between ``<!-- keys: NAME -->`` and ``<!-- end -->``; what is between them is written here.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic_core import PydanticUndefined
+
+from uavftc import sensors
+from uavftc.actuators import CHAIN
+from uavftc.actuators.saturation import Limits
+from uavftc.config.described import descriptions
+from uavftc.config.effect import configs, default_kind
+from uavftc.config.explain import unit_of
+from uavftc.config.values import Signal
+from uavftc.control.rbf import Rbf
+from uavftc.environment import KINDS
+from uavftc.scenario import schema
+from uavftc.scenario.controllers import LOOPS, Controller, CustomController
+
+PAGE = Path(__file__).parents[1] / "docs" / "scenarios.md"
+
+
+def shown(value: Any) -> str:
+    """Return a default as a scenario file would have it."""
+    if value is PydanticUndefined:
+        return "required"
+    if isinstance(value, Signal):
+        value = value.written
+    if isinstance(value, bool) or value is None:
+        return f"`{str(value).lower() if value is not None else 'null'}`"
+    if isinstance(value, BaseModel):
+        kind = getattr(value, "kind", None)
+        return f"`kind: {kind}`" if isinstance(kind, str) else ""
+    if isinstance(value, float):
+        return f"`{value:g}`"
+    if isinstance(value, tuple):
+        return f"`[{', '.join(shown(item).strip('`') for item in value)}]`"
+    return f"`{value}`" if value != "" else '`""`'
+
+
+def default_of(field: Any) -> str:
+    """Return the default of a field, from its factory where it has one."""
+    return shown(field.get_default(call_default_factory=True))
+
+
+def one_line(text: str | None) -> str:
+    """Return a text on one line."""
+    return " ".join((text or "").split())
+
+
+def table(*models: type[BaseModel], kinds: bool = False, without: tuple[str, ...] = ()) -> list[str]:
+    """Return the table of the keys of one section, or of the kinds of one, each key once."""
+    rows: dict[str, list[str]] = {}
+    having: dict[str, list[str]] = {}
+    for model in models:
+        meanings = descriptions(model)
+        for name, field in model.model_fields.items():
+            if name in without:
+                continue
+            having.setdefault(name, []).append(default_kind(model) if kinds else "")
+            if name == "kind" and kinds:
+                each = [f"`{default_kind(m)}`: {descriptions(m)['kind']}" for m in models]
+                rows[name] = ["`kind`", "", "", "; ".join(each)]
+            else:
+                rows.setdefault(name, [f"`{name}`", unit_of(name), default_of(field), meanings[name]])
+    head = ["key", "unit", "default", *(["kinds"] if kinds else []), "meaning"]
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    for name, row in sorted(rows.items(), key=lambda item: item[0] != "kind"):
+        if kinds:
+            all_of_them = len(having[name]) == len(models)
+            row.insert(3, "all" if all_of_them else ", ".join(f"`{kind}`" for kind in having[name]))
+        lines.append("| " + " | ".join(row).replace("|  |", "| |").replace("|  |", "| |") + " |")
+    return lines
+
+
+def chain() -> list[str]:
+    """Return the effects on an effector in their order, each with the first sentence of its module."""
+    lines = ["1. command: the controller's output v2 mapped to the effector, a deflection about trim, rad;"]
+    for i, effect in enumerate(CHAIN, start=2):
+        name = effect.__name__.rpartition(".")[2].replace("_", " ")
+        first = one_line((effect.__doc__ or "").split("\n\n")[0]).rstrip(".")
+        lines.append(f"{i}. {name}: {first[0].lower()}{first[1:]}{';' if i <= len(CHAIN) else '.'}")
+    return lines
+
+
+def disturbances() -> list[str]:
+    """Return the table of the kinds of disturbance."""
+    lines = ["| kind | keys | unit | plant | meaning |", "|---|---|---|---|---|"]
+    for effect in KINDS:
+        config = effect.Config
+        keys = [name for name in config.model_fields if name not in ("kind", "end_s") and config.model_fields[name]]
+        keys = [name for name in keys if name != "start_s" or "end_s" not in config.model_fields]
+        units = ", ".join(dict.fromkeys(unit_of(name) for name in keys if unit_of(name)))
+        refused = set(getattr(effect, "REFUSED_ON", {}))
+        plants = "" if not keys else ", ".join(f"`{p}`" for p in ("jsbsim", "analytic") if p not in refused)
+        names = ", ".join(f"`{name}`" for name in keys)
+        row = [f"`{default_kind(config)}`", names, units, plants, one_line(config.__doc__)]
+        lines.append("| " + " | ".join(row) + " |")
+    return lines
+
+
+TABLES: dict[str, Callable[[], list[str]]] = {
+    "scenario": lambda: table(schema.Scenario),
+    "initial": lambda: table(schema.Initial),
+    "reference": lambda: table(schema.Reference),
+    "controller": lambda: table(Controller),
+    "custom controller": lambda: table(CustomController),
+    "outer": lambda: table(*(law.Config for law in LOOPS["outer"].KINDS), kinds=True),
+    "inner": lambda: table(*(law.Config for law in LOOPS["inner"].KINDS), kinds=True),
+    "rbf": lambda: table(Rbf),
+    "limits": lambda: table(Limits),
+    "faults": lambda: table(*configs(CHAIN, "ENTRY_OF", "faults"), kinds=len(schema.FAULTS) > 1),
+    "chain": chain,
+    "disturbances": disturbances,
+    "sensors": lambda: table(*configs(sensors.CHAIN, "KEYS_IN", "sensors")),
+    "envelope": lambda: table(schema.Envelope),
+    "simulation": lambda: table(schema.Simulation),
+}
+
+
+def rendered(page: str) -> str:
+    """Return the page with every table written anew.
+
+    Raises
+    ------
+    KeyError
+        If the page names a table that there is none of.
+    """
+    pattern = re.compile(r"<!-- keys: ([\w ]+) -->\n.*?<!-- end -->", re.DOTALL)
+    return pattern.sub(
+        lambda found: "\n".join([f"<!-- keys: {found[1]} -->", *TABLES[found[1]](), "<!-- end -->"]), page
+    )
+
+
+def main() -> None:
+    """Write the page, or check it."""
+    parser = argparse.ArgumentParser(description="Render the tables of keys in docs/scenarios.md from the code.")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 if the page is out of date")
+    arguments = parser.parse_args()
+    page = PAGE.read_text(encoding="utf-8")
+    new = rendered(page)
+    missing = [name for name in TABLES if f"<!-- keys: {name} -->" not in page]
+    if arguments.check and (new != page or missing):
+        print(f"{PAGE.name} is out of date{f', without {missing}' if missing else ''}: run {Path(__file__).name}")
+        sys.exit(1)
+    if not arguments.check:
+        PAGE.write_text(new, encoding="utf-8", newline="\n")
+
+
+if __name__ == "__main__":
+    main()
