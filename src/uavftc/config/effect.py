@@ -7,7 +7,7 @@ An effect (of the actuators, the sensors, the air, a control law) is one module 
     blocks        blocks(config, given) -> list of blocks; empty where it does nothing, so that it costs nothing
     prescribe     prescribe(entry, t, records, effectors): signals of time that a scenario gives; optional
     REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
-    warnings      warnings(entry, t) -> what is allowed and worth knowing about it, a line each; optional
+    warnings      warnings(entry, t, window) -> (key, line) of what is allowed and worth knowing about it; optional
 
 and it takes part by standing in the tuple of its chain. The place is one of
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from uavftc.core.signals import ROW
 from uavftc.core.stage import Block, PythonBlock
 
 PRESCRIBED = frozenset(["t", "x1_c", "effectiveness", "bias", "d1", "d2", "wind_n"])
 """Fields that the scenario gives, filled in before a row is flown."""
 
-DEFAULT = frozenset(["d1_hat", "u2"])
+DEFAULT = frozenset(["d1_hat"])
 """Fields that mean nothing happens where nobody writes them: they are zero."""
 
 CUSTOM = frozenset(["v2"])
@@ -31,7 +32,10 @@ def check_flow(blocks: Sequence[Block | PythonBlock]) -> None:
             written |= CUSTOM
         if stage is None:
             continue
-        missing = (stage.reads or frozenset()) - written
+        reads, writes = stage.reads or frozenset(), stage.writes or frozenset()
+        # a law on each effector may add up what it writes into the row, and begins by itself
+        summed = reads & writes & frozenset(ROW.names or ()) if stage.on_effector else frozenset()
+        missing = reads - summed - written
         if missing:
             raise ValueError(f"{block.name} reads {', '.join(sorted(missing))}, which nothing before it has written")
-        written |= stage.writes or frozenset()
+        written |= writes

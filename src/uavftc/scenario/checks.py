@@ -120,7 +120,8 @@ def _finite(scenario: Scenario, key: tuple[str | int, ...], entry: Any, signal: 
 def _overlaps(scenario: Scenario) -> list[Problem]:
     found = []
     last: dict[str, tuple[int, Any]] = {}
-    for i, fault in sorted(enumerate(scenario.faults), key=lambda item: item[1].start_s):
+    on_surfaces = [(i, fault) for i, fault in enumerate(scenario.faults) if hasattr(fault, "surface")]
+    for i, fault in sorted(on_surfaces, key=lambda item: item[1].start_s):
         if fault.surface in last:
             j, earlier = last[fault.surface]
             if earlier.end_s is None or fault.start_s < earlier.end_s:

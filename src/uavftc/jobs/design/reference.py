@@ -15,6 +15,7 @@ from uavftc.analysis.reference_system import (
     replay,
     simulate,
 )
+from uavftc.config.effect import default_kind
 from uavftc.control.gains import reference_gain
 from uavftc.control.inner import l1
 from uavftc.control.inner.predictor import PredictorConfig
@@ -130,7 +131,7 @@ def l1_of(inner: PredictorConfig | None, scenario: Scenario | None) -> l1.Config
         return inner
     raise InputError(
         f"{'' if scenario is None else scenario.name}, key controller.inner.kind",
-        found="an own controller, which has none" if inner is None else "mrac, which has no filter C(s)",
+        found="a custom controller, which has none" if inner is None else f"{default_kind(type(inner))}, which has no filter C(s)",
         expected="l1",
         remedy="give a scenario with controller.inner.kind: l1, or none",
     )
