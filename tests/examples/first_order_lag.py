@@ -1,4 +1,4 @@
-"""An actuator of first order: the deflection follows what it is told with a lag, y' = w (u - y).
+"""An actuator of first order: the deflection follows its command with a lag, y' = w (u - y).
 
 Sampled form, exact for a u that is held over a plant step dt: y + (1 - exp(-w dt)) (u - y). The effector gets where the
 lag is at the end of the plant step.

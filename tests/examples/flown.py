@@ -1,4 +1,4 @@
-"""Fly a scenario with an effect of one's own: the whole of what it takes is the line that puts it into its chain.
+"""Fly a scenario with a custom effect: all it takes is the line that puts it into its chain.
 
     python flown.py uavftc.actuators CHAIN first_order_lag effectiveness CONTROLLER FOLDER
 
@@ -41,7 +41,7 @@ def main(package: str, chain: str, name: str, before: str, controller: str, fold
             load_scenario(file)
         except InputError as error:
             refused[file.stem] = str(error)
-    told = {
+    found = {
         "completed": outcome.completed,
         "because": outcome.ended_because,
         "blocks": flight.program.names,
@@ -55,7 +55,7 @@ def main(package: str, chain: str, name: str, before: str, controller: str, fold
         "plant_step": flight.given.plant_step,
     }
     np.save(folder / "records.npy", records)
-    (folder / "told.json").write_text(json.dumps(told), encoding="utf-8")
+    (folder / "found.json").write_text(json.dumps(found), encoding="utf-8")
 
 
 if __name__ == "__main__":

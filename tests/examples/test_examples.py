@@ -19,7 +19,7 @@ HERE = Path(__file__).parent
 
 
 def flown(folder, scenario, chain, name, *, before="-", controller="-", wrong=()):
-    """Fly a scenario with a module in its chain, in a process of its own; return the records and what is told of it."""
+    """Fly a scenario with a module in its chain, in a separate process; return the records and what was found."""
     (folder / "scenario.yaml").write_text(scenario)
     for i, text in enumerate(wrong):
         (folder / f"wrong-{i}.yaml").write_text(text)
@@ -27,9 +27,9 @@ def flown(folder, scenario, chain, name, *, before="-", controller="-", wrong=()
     environment = os.environ | {"PYTHONPATH": str(Path(uavftc.__file__).parents[1])}
     done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    told = json.loads((folder / "told.json").read_text(encoding="utf-8"))
-    assert told["same"]  # the scenario as flown, written and read again, is the same
-    return np.load(folder / "records.npy"), SimpleNamespace(**told)
+    found = json.loads((folder / "found.json").read_text(encoding="utf-8"))
+    assert found["same"]  # the scenario as flown, written and read again, is the same
+    return np.load(folder / "records.npy"), SimpleNamespace(**found)
 
 
 HEAD = "name: example\nduration_s: 4\nplant: analytic\nreference: {phi_deg: 5, theta_deg: 3, psi_deg: -2}\n"
@@ -58,8 +58,8 @@ class TestFirstOrderLag:
             "controller: {kind: ./constant.py, options: {v2: [0.004, -0.5, 0.002]}}\n"
             f"{LIMITS}actuators: {{bandwidth_radps: 25}}\n"
         )
-        records, told = flown(tmp_path, scenario, *self.CHAIN, before="effectiveness")
-        assert told.completed
+        records, found = flown(tmp_path, scenario, *self.CHAIN, before="effectiveness")
+        assert found.completed
         steps = substeps * np.arange(len(records)) + 1
         expected = np.outer(1.0 - np.exp(-25.0 * 0.005 / substeps * steps), [0.004, -0.02, 0.002])
         np.testing.assert_allclose(records["u2"], expected, rtol=0, atol=1e-15)
@@ -72,17 +72,17 @@ class TestFirstOrderLag:
             HEAD + "actuators: {bandwidth_radps: 0}\n",
             HEAD + "actuator: {bandwidth_radps: 25}\n",
         ]
-        records, told = flown(tmp_path, scenario, *self.CHAIN, before="effectiveness", wrong=wrong)
-        assert told.completed
-        names = told.blocks[told.blocks.index("allocation") : told.blocks.index("gather")]
+        records, found = flown(tmp_path, scenario, *self.CHAIN, before="effectiveness", wrong=wrong)
+        assert found.completed
+        names = found.blocks[found.blocks.index("allocation") : found.blocks.index("gather")]
         assert names[:3] == ["allocation", "saturation", "first_order_lag"]
-        share = 1.0 - np.exp(-25.0 * told.plant_step)
+        share = 1.0 - np.exp(-25.0 * found.plant_step)
         assert np.abs(limited(records) - records["v2"]).max() > 0.01  # it met the limits
         expected = lfilter([share], [1.0, share - 1.0], limited(records), axis=0)
         np.testing.assert_allclose(records["u2"], expected, rtol=0, atol=1e-15)
-        assert "actuators: {bandwidth_radps: 25.0}" in told.text
-        assert "bandwidth_radps" in told.schema["$defs"]["Actuators"]["properties"]
-        unknown, zero, section = told.refused.values()
+        assert "actuators: {bandwidth_radps: 25.0}" in found.text
+        assert "bandwidth_radps" in found.schema["$defs"]["Actuators"]["properties"]
+        unknown, zero, section = found.refused.values()
         assert "line 5, key actuators.bandwidth_radp" in unknown
         assert "the unknown key 'bandwidth_radp'" in unknown
         assert "expected: one of bandwidth_radps" in unknown
@@ -92,10 +92,10 @@ class TestFirstOrderLag:
 
     def test_without_its_key_it_is_not_there(self, tmp_path):
         # an effect that does nothing costs nothing: no block of it, and the flight is that without it
-        records, told = flown(tmp_path, HEAD + LIMITS, *self.CHAIN, before="effectiveness")
-        assert "first_order_lag" not in told.blocks
+        records, found = flown(tmp_path, HEAD + LIMITS, *self.CHAIN, before="effectiveness")
+        assert "first_order_lag" not in found.blocks
         np.testing.assert_array_equal(records["u2"], limited(records))
-        assert "actuators: {bandwidth_radps: null}" in told.text
+        assert "actuators: {bandwidth_radps: null}" in found.text
 
 
 class TestStuck:
@@ -109,19 +109,19 @@ class TestStuck:
     )
 
     def test_a_surface_stays_where_it_was_inside_its_window(self, tmp_path):
-        # the others, and the same one outside, do as they are told
-        records, told = flown(tmp_path, HEAD + LIMITS + self.FAULTS, *self.CHAIN, before="stops")
-        assert told.completed
-        assert [name for name in told.blocks if name.startswith("stuck")] == ["stuck 0", "stuck 1"]
+        # the others, and the same one outside, do as commanded
+        records, found = flown(tmp_path, HEAD + LIMITS + self.FAULTS, *self.CHAIN, before="stops")
+        assert found.completed
+        assert [name for name in found.blocks if name.startswith("stuck")] == ["stuck 0", "stuck 1"]
         expected, t = limited(records), records["t"]
         expected[t >= 0.5, 0] *= 0.5
         expected[t < 1.0, 2] += np.radians(0.1)
         for surface, window in ((1, (t >= 1.0) & (t < 2.0)), (2, t >= 2.5)):
-            assert np.ptp(expected[window, surface]) > 1e-4  # it was told to move
+            assert np.ptp(expected[window, surface]) > 1e-4  # it was commanded to move
             expected[window, surface] = expected[np.argmax(window) - 1, surface]
         np.testing.assert_allclose(records["u2"], expected, rtol=0, atol=1e-15)
 
-    def test_its_kind_is_one_of_those_told_and_written(self, tmp_path):
+    def test_its_kind_is_one_of_those_listed_and_written(self, tmp_path):
         # messages, schema and text come of the files in the chain; an entry without a kind is the paper's fault
         wrong = [
             HEAD + "faults: [{kind: stuck, surface: elevator, effectiveness: 0.5}]\n",
@@ -129,11 +129,11 @@ class TestStuck:
             HEAD + "faults: [{kind: stuck, surface: flap}]\n",
             HEAD + "faults: [{kind: stuck, surface: rudder, start_s: 1}, {surface: rudder, start_s: 2}]\n",
         ]
-        _, told = flown(tmp_path, HEAD + self.FAULTS, *self.CHAIN, before="stops", wrong=wrong)
-        assert "- {kind: stuck, surface: elevator, start_s: 1.0, end_s: 2.0}" in told.text
-        assert "- {surface: aileron, start_s: 0.5, end_s: null, effectiveness: 0.5, bias_deg: 0.0}" in told.text
-        assert '"stuck"' in json.dumps(told.schema["$defs"])
-        key, kind, surface, overlap = told.refused.values()
+        _, found = flown(tmp_path, HEAD + self.FAULTS, *self.CHAIN, before="stops", wrong=wrong)
+        assert "- {kind: stuck, surface: elevator, start_s: 1.0, end_s: 2.0}" in found.text
+        assert "- {surface: aileron, start_s: 0.5, end_s: null, effectiveness: 0.5, bias_deg: 0.0}" in found.text
+        assert '"stuck"' in json.dumps(found.schema["$defs"])
+        key, kind, surface, overlap = found.refused.values()
         assert "line 5, key faults[0].effectiveness" in key
         assert "expected: one of kind, start_s, end_s, surface" in key
         assert "it belongs to kind effectiveness" in key
@@ -152,17 +152,17 @@ class TestGyroScale:
         # after the bias, as it stands in the chain; the vehicle's own rates stay what they are
         sensors = "sensors: {gyro_bias_degps: [0.1, 0, 0], gyro_scale_error: [0.02, -0.05, 0]}\n"
         wrong = [HEAD + "sensors: {gyro_scale: 0.02}\n"]
-        records, told = flown(tmp_path, HEAD + sensors, *self.CHAIN, wrong=wrong)
-        assert told.completed
-        assert [name for name in told.blocks if name in ("exact", "gyro", "gyro_scale")] == [
+        records, found = flown(tmp_path, HEAD + sensors, *self.CHAIN, wrong=wrong)
+        assert found.completed
+        assert [name for name in found.blocks if name in ("exact", "gyro", "gyro_scale")] == [
             "exact", "gyro", "gyro_scale",
         ]  # fmt: skip
         assert np.abs(records["x2"]).max() > 0.01
         expected = (records["x2"] + np.radians([0.1, 0.0, 0.0])) * [1.02, 0.95, 1.0]
         np.testing.assert_allclose(records["x2_meas"], expected, rtol=1e-15, atol=1e-18)
-        assert "sensors: {gyro_bias_degps: [0.1, 0.0, 0.0], gyro_scale_error: [0.02, -0.05, 0.0]}" in told.text
-        assert "gyro_scale_error" in told.schema["$defs"]["Sensors"]["properties"]
-        (unknown,) = told.refused.values()
+        assert "sensors: {gyro_bias_degps: [0.1, 0.0, 0.0], gyro_scale_error: [0.02, -0.05, 0.0]}" in found.text
+        assert "gyro_scale_error" in found.schema["$defs"]["Sensors"]["properties"]
+        (unknown,) = found.refused.values()
         assert "line 5, key sensors.gyro_scale" in unknown
         assert "expected: one of gyro_bias_degps, gyro_scale_error" in unknown
 
@@ -173,16 +173,16 @@ class TestProportional:
     def test_it_flies_as_a_controller_by_name(self, tmp_path):
         # --controller nndondi-proportional; the command is recomputed from the published columns
         scenario = HEAD.replace("duration_s: 4", "duration_s: 20")
-        records, told = flown(tmp_path, scenario, *self.CHAIN, controller="nndondi-proportional")
-        assert told.completed
-        assert told.controller == "nndondi-proportional"
-        assert told.warnings == []
+        records, found = flown(tmp_path, scenario, *self.CHAIN, controller="nndondi-proportional")
+        assert found.completed
+        assert found.controller == "nndondi-proportional"
+        assert found.warnings == []
         error = records["v1"] - records["x2_meas"]
-        expected = np.linalg.solve(np.array(told.B), 6.0 * error.T).T
+        expected = np.linalg.solve(np.array(found.B), 6.0 * error.T).T
         np.testing.assert_allclose(records["v2"], expected, rtol=1e-12, atol=1e-15)
         left = np.degrees(np.abs(records["x1_c"] - records["x1"])[-1])
         assert left.max() < 0.1  # of 5 deg: the roll damping, 8.5 rad/s against k = 6, slows the loop to 0.2 rad/s
-        assert "kind: proportional, gain_radps: 6.0" in told.text
+        assert "kind: proportional, gain_radps: 6.0" in found.text
 
     def test_it_is_chosen_by_a_scenario_with_its_keys(self, tmp_path):
         # and refuses those of another law, by the name of the law they belong to
@@ -191,13 +191,13 @@ class TestProportional:
             HEAD + "controller: {inner: {kind: proportionate}}\n",
         ]
         scenario = HEAD + "controller: {outer: {kind: ndi}, inner: {kind: proportional, gain_radps: 9}}\n"
-        records, told = flown(tmp_path, scenario, *self.CHAIN, wrong=wrong)
-        assert told.controller == "ndi-proportional"
-        expected = np.linalg.solve(np.array(told.B), 9.0 * (records["v1"] - records["x2_meas"]).T).T
+        records, found = flown(tmp_path, scenario, *self.CHAIN, wrong=wrong)
+        assert found.controller == "ndi-proportional"
+        expected = np.linalg.solve(np.array(found.B), 9.0 * (records["v1"] - records["x2_meas"]).T).T
         np.testing.assert_allclose(records["v2"], expected, rtol=1e-12, atol=1e-15)
-        assert "proportional" in json.dumps(told.schema)
-        assert "gain_radps" in json.dumps(told.schema)
-        key, kind = told.refused.values()
+        assert "proportional" in json.dumps(found.schema)
+        assert "gain_radps" in json.dumps(found.schema)
+        key, kind = found.refused.values()
         assert "key controller.inner.filter_bandwidth" in key
         assert "expected: one of kind, gain_radps" in key
         assert "it belongs to kind l1" in key
@@ -207,9 +207,9 @@ class TestProportional:
         # one without a pair of its own too: trimmed, judged for its authority, and flown
         scenario = HEAD.replace("analytic", "jsbsim").replace("duration_s: 4", "duration_s: 2")
         scenario += "aircraft: jsbsim:c172p\ninitial: {airspeed_mps: 55, altitude_m: 1000}\n"
-        records, told = flown(tmp_path, scenario, *self.CHAIN, controller="ndi-proportional")
-        assert told.completed
-        expected = np.linalg.solve(np.array(told.B), 6.0 * (records["v1"] - records["x2_meas"]).T).T
+        records, found = flown(tmp_path, scenario, *self.CHAIN, controller="ndi-proportional")
+        assert found.completed
+        expected = np.linalg.solve(np.array(found.B), 6.0 * (records["v1"] - records["x2_meas"]).T).T
         np.testing.assert_allclose(records["v2"], expected, rtol=1e-12, atol=1e-15)
 
 
@@ -225,8 +225,8 @@ class TestDoublet:
             HEAD + "disturbances: [{kind: doublet, length_s: 2, peak_degps2: t}]\n",
             HEAD + "disturbances: [{kind: turbulence}]\n",
         ]
-        records, told = flown(tmp_path, HEAD + self.ENTRY, *self.CHAIN, wrong=wrong)
-        assert told.completed
+        records, found = flown(tmp_path, HEAD + self.ENTRY, *self.CHAIN, wrong=wrong)
+        assert found.completed
         t = records["t"]
         expected = np.radians(3.0) * (1.0 * ((t >= 1.0) & (t < 2.0)) - 1.0 * ((t >= 2.0) & (t < 3.0)))
         np.testing.assert_allclose(records["d2"], np.outer(expected, [1.0, 0.0, 0.0]), rtol=1e-15)
@@ -234,9 +234,9 @@ class TestDoublet:
         gained = (records["x2"] - still["x2"])[:202]
         assert not gained[:201].any()  # t = 1 s is row 200, and its rate is from before
         np.testing.assert_allclose(gained[201], [0.005 * np.radians(3.0), 0.0, 0.0], rtol=0.03, atol=1e-5)
-        assert "- {kind: doublet, start_s: 1.0, length_s: 2.0, peak_degps2: 3.0}" in told.text
-        assert "peak_degps2" in json.dumps(told.schema)
-        key, kind, expression, turbulence = told.refused.values()
+        assert "- {kind: doublet, start_s: 1.0, length_s: 2.0, peak_degps2: 3.0}" in found.text
+        assert "peak_degps2" in json.dumps(found.schema)
+        key, kind, expression, turbulence = found.refused.values()
         assert "key disturbances[0].peak_degps" in key
         assert "expected: one of kind, start_s, length_s, peak_degps2" in key
         assert "did you mean peak_degps2?" in key

@@ -1,7 +1,8 @@
-"""The commands. Each has a file of its own; here they meet."""
+"""The commands, one a file, put together."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import typer
@@ -26,12 +27,13 @@ _SETTINGS: dict[str, Any] = {
     "context_settings": {"help_option_names": ["-h", "--help"]},
 }
 
-umbrella = typer.Typer(name="uavftc", no_args_is_help=True, **_SETTINGS)
-for _command in COMMANDS:
-    umbrella.command(_command.__name__)(exit_codes(_command))
 
-single = typer.Typer(name="uavftc-fly", **_SETTINGS)
-single.command()(exit_codes(fly))
+def umbrella_of(commands: Sequence[Callable[..., None]]) -> typer.Typer:
+    """Return the command `uavftc` with these commands below it, each named as its function."""
+    umbrella = typer.Typer(name="uavftc", no_args_is_help=True, callback=_umbrella, **_SETTINGS)
+    for command in commands:
+        umbrella.command(command.__name__.replace("_", "-"))(exit_codes(command))
+    return umbrella
 
 
 def _version(asked: bool) -> None:
@@ -40,11 +42,15 @@ def _version(asked: bool) -> None:
         raise typer.Exit
 
 
-@umbrella.callback()
 def _umbrella(
     version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version."),
 ) -> None:
     """Fault-tolerant flight control on JSBSim: does this controller survive that fault?"""
+
+
+umbrella = umbrella_of(COMMANDS)
+single = typer.Typer(name="uavftc-fly", **_SETTINGS)
+single.command()(exit_codes(fly))
 
 
 def main() -> NoReturn:

@@ -1,4 +1,4 @@
-"""A design beside a flight: the prediction error, the reference system (45), and the bounds where they hold."""
+"""A design compared with a flight: the prediction error, the reference system (45), and the bounds where they hold."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SAMPLED = (
 
 
 def flight_document(scenario: Scenario) -> dict[str, Any]:
-    """Fly a scenario, on its plant and on the analytic one, and return the observed maxima beside the bounds.
+    """Fly a scenario, on its plant and on the analytic one, and return the observed maxima next to the bounds.
 
     Raises
     ------
@@ -65,16 +65,16 @@ def _flown(flight: Flight) -> dict[str, Any]:
         "reason": None,
     }
     if flight.scenario.plant != "analytic":
-        result["reason"] = "eta is known on the analytic plant alone"
+        result["reason"] = "eta is known on the analytic plant only"
     elif len(records) < 2:
         result["reason"] = "the flight has less than two samples"
     else:
-        result |= _beside_reference(flight, records, state, result)
+        result |= _reference_system(flight, records, state, result)
     return result
 
 
-def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: dict[str, Any]) -> dict[str, Any]:
-    """Return the reference system, printed and with A_m, beside a flight on the analytic plant."""
+def _reference_system(flight: Flight, records: np.ndarray, state: Replay, observed: dict[str, Any]) -> dict[str, Any]:
+    """Return the reference system, printed and with A_m, for a flight on the analytic plant."""
     inner = l1_of(inner_of(flight.scenario), flight.scenario)
     inertia, A_l, B_l = rotational_model(flight.aircraft, flight.model)
     A_m, B_m, k = np.array(inner.A_m), np.array(inner.B_m), inner.filter_bandwidth
@@ -91,8 +91,8 @@ def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: 
         B_m=B_m,
     )
     systems: dict[str, Any] = {}
-    limits: dict[str, Any] | None = None if told["assumptions_not_met"] else {}
-    given = Given(lipschitz=0.0, gamma_0=told["gamma_0"])
+    limits: dict[str, Any] | None = None if observed["assumptions_not_met"] else {}
+    given = Given(lipschitz=0.0, gamma_0=observed["gamma_0"])
     for name, A, gain in (("A_s_K_2", A_s, K_2), ("A_s", A_s, K), ("A_m", A_m, K)):
         found = differences(
             records,
@@ -103,7 +103,7 @@ def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: 
         systems[name] = {
             "max_x_ref_minus_x2_radps": found.x2,
             "largest_radps": largest,
-            "share_of_max_r": largest / max(float(np.max(told["max_r_radps"])), 1e-300),
+            "share_of_max_r": largest / max(float(np.max(observed["max_r_radps"])), 1e-300),
             "max_v_ref_minus_v_ad_rad": found.v_ad,
             "largest_rad": float(np.max(found.v_ad)),
         }
@@ -121,7 +121,7 @@ def _beside_reference(flight: Flight, records: np.ndarray, state: Replay, told: 
 
 
 def inner_of(scenario: Scenario) -> PredictorConfig | None:
-    """Return the inner loop of a scenario's controller, None of one that is a module of one's own."""
+    """Return the inner loop of a scenario's controller, None for a custom controller."""
     return scenario.controller.inner if isinstance(scenario.controller, Controller) else None
 
 
@@ -131,7 +131,9 @@ def l1_of(inner: PredictorConfig | None, scenario: Scenario | None) -> l1.Config
         return inner
     raise InputError(
         f"{'' if scenario is None else scenario.name}, key controller.inner.kind",
-        found="a custom controller, which has none" if inner is None else f"{default_kind(type(inner))}, which has no filter C(s)",
+        found="a custom controller, which has none"
+        if inner is None
+        else f"{default_kind(type(inner))}, which has no filter C(s)",
         expected="l1",
         remedy="give a scenario with controller.inner.kind: l1, or none",
     )
