@@ -39,7 +39,7 @@ LAWS = [(group, effect) for group, effect in EVERY if group != "environment"]
 
 DIMENSIONLESS = {
     "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
-    "integration", "centres", "width",
+    "integration", "anti_windup", "centres", "width",
 }  # fmt: skip
 UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
 """A unit in a description: keys named by a symbol of the paper have theirs there."""

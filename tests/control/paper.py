@@ -64,6 +64,8 @@ def inner_params(dtype: np.dtype, **changes: object) -> np.ndarray:
         "K": np.linalg.inv(B_M) @ A_M,
         "K_0": np.zeros((3, 3)),
         "filter_bandwidth": BANDWIDTH,
+        "v_min": np.full(3, -np.inf),
+        "v_max": np.full(3, np.inf),
     }
     return params_of(dtype, **{k: v for k, v in (values | changes).items() if k in dtype.names})
 

@@ -1,7 +1,8 @@
 """Aircraft definitions: a JSBSim model, and beside it what the project needs beyond the XML.
 
     NAME/NAME.xml       the JSBSim model; engine/ and systems/ beside it if it has any
-    NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, the analytic model
+    NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, what range of flight to
+                        trust, the analytic model
 
 The companion is optional, and so is each of its keys: what it does not say is found out by measuring
 (`plants/jsbsim/model.py`), with JSBSim's standard property names. JSBSim's own aircraft are `jsbsim:NAME`.
@@ -22,7 +23,7 @@ from pydantic_core import PydanticCustomError
 from uavftc.config.document import Document
 from uavftc.config.explain import explain
 from uavftc.config.shipped import aircraft_dir, aircraft_names
-from uavftc.config.values import Matrix3, Model, Number, Positive
+from uavftc.config.values import Matrix3, Model, Number, Positive, list_of
 from uavftc.errors import InputError, join
 from uavftc.scenario.load import read_document
 
@@ -99,6 +100,24 @@ class Autothrottle(Model):
     setpoint_fps: Property
 
 
+def _range(value: tuple[float, float]) -> tuple[float, float]:
+    if not value[0] < value[1]:
+        raise PydanticCustomError("shape", "{wanted}", {"wanted": RANGE})
+    return value
+
+
+RANGE = "[least, greatest], the first below the second"
+Range = Annotated[tuple[Number, Number], list_of(2, RANGE), AfterValidator(_range)]
+
+
+class Trusted(Model):
+    """The ranges within which the aircraft's own documentation trusts the model; a flight that leaves them says so."""
+
+    alpha_deg: Range | None = None
+    beta_deg: Range | None = None
+    airspeed_mps: Range | None = None
+
+
 class AnalyticModel(Model):
     """The rotational model x2' = gyroscopic + A_l x2 + B_m u2: A_l in 1/s, B_m in 1/s^2."""
 
@@ -117,6 +136,7 @@ class Aircraft(Model):
     throttle: Throttle | None = None
     autothrottle: Autothrottle | None = None
     disturbance_moment: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")] | None = None
+    trusted: Trusted = Trusted()
     planet: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*\.xml$")] | None = None
     analytic: AnalyticModel | None = None
 

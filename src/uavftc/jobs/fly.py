@@ -13,6 +13,7 @@ from typing import Any
 from uavftc.analysis.metrics import Metrics
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import Outcome, fly
+from uavftc.flight.trusted import TrustedRange
 from uavftc.results.flight import FlightResult, metadata_of, origin_of
 from uavftc.results.folder import ResultFolder
 from uavftc.results.history import ParquetRecorder, read_history
@@ -56,6 +57,7 @@ def fly_mission(
     flight = build_flight(scenario)
     origin = origin_of(flight)
     metadata, metrics = metadata_of(flight.scenario, origin), Metrics()
+    trusted = TrustedRange(flight.aircraft.trusted)
     with folder:
         history = folder.path / "history.parquet"
         with (
@@ -63,8 +65,9 @@ def fly_mission(
             nullcontext(None) if progress is None else progress(flight.steps + 1) as advance,
             _ctrl_c() as stopped,
         ):
-            outcome = fly(flight, [parquet, metrics], advance, stop=stopped)
-        result = FlightResult(flight.scenario, outcome, metrics.axes(completed=outcome.completed), None, origin)
+            outcome = fly(flight, [parquet, metrics, trusted], advance, stop=stopped)
+        axes = metrics.axes(completed=outcome.completed)
+        result = FlightResult(flight.scenario, outcome, axes, None, origin, trusted.remarks())
         (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
         document = result.summary()
         if figures:

@@ -34,6 +34,8 @@ class FlightResult(NamedTuple):
     """Published columns, shape (N + 1,) each; None where they are not kept, or on disk."""
     origin: dict[str, Any]
     """Its provenance, from `origin_of`."""
+    remarks: tuple[str, ...] = ()
+    """What the flight itself is worth a warning for, one line each; next to those of its scenario."""
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -60,7 +62,7 @@ class FlightResult(NamedTuple):
                 "us_per_controller_step": 1e6 * outcome.wall_s / max(steps, 1),
             },
             provenance=self.origin,
-            warnings=warnings(scenario),
+            warnings=[*warnings(scenario), *self.remarks],
         )
 
     def figure_context(self) -> FigureContext:

@@ -15,6 +15,9 @@ Sampled form: with omega_hat, the estimates and r held over the step the filter 
     v_ad_new = a v_ad - (1 - a) (W_hat^T Phi + eps_hat + K r) / omega_hat,   a = exp(-k h omega_hat), per channel.
 
 Backward Euler in its place doubles the distance to the continuous limit.
+
+With `anti_windup: limited` v_ad is set to what was applied of it (see `predictor.py`), and the filter goes on from
+there.
 """
 
 from __future__ import annotations
@@ -30,6 +33,7 @@ from uavftc.control.inner.predictor import (
     PREDICTOR_STATE,
     PredictorConfig,
     advance,
+    limited,
     lumped,
     predictor_params,
     start,
@@ -76,7 +80,7 @@ def step(p, s, row):
         if started:
             a = exp(-p.filter_bandwidth * p.h * s.omega_hat[i])
             s.v_ad[i] = a * s.v_ad[i] - (1.0 - a) * (f[i] + K_r[i]) / s.omega_hat[i]
-        row.v2[i] = s.v_ad[i] - feedback[i]
+        row.v2[i] = limited(p, s, i, feedback[i])
     row.f_hat[0], row.f_hat[1], row.f_hat[2] = multiply(p.B_m, f)
 
 

@@ -7,6 +7,8 @@ The predictor and adaptive laws of `predictor.py` without the low-pass filter of
 The paper names the comparator and states that its parameters are those of the L1 controller; it prints no equation.
 This is the law that results when the filter bandwidth of eq. (32) tends to infinity. It commands from the first sample
 on, where the L1 filter still stands at zero.
+
+With `anti_windup: limited` the predictor is given what was applied of v_ad (see `predictor.py`); there is no filter.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from uavftc.control.inner.predictor import (
     PREDICTOR_STATE,
     PredictorConfig,
     advance,
+    limited,
     lumped,
     predictor_params,
     start,
@@ -60,7 +63,7 @@ def step(p, s, row):
     feedback = multiply_transposed(p.K_0, x2)
     for i in range(3):
         s.v_ad[i] = -(f[i] + K_r[i]) / s.omega_hat[i]
-        row.v2[i] = s.v_ad[i] - feedback[i]
+        row.v2[i] = limited(p, s, i, feedback[i])
     row.f_hat[0], row.f_hat[1], row.f_hat[2] = multiply(p.B_m, f)
 
 

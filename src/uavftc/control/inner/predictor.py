@@ -18,6 +18,17 @@ is there to show its effect: with Gamma = 1e5 it needs steps far below 1 ms. The
 its bounds after the step; for a box that is the nearest admissible point, which is what the continuous operator of the
 paper's [35] tends to.
 
+Limits (`anti_windup: limited`). As printed, predictor and adaptive laws are given the command v_ad that the law asks
+for. A surface at its limit does less, the estimates make up for the difference by asking for more, and the command
+runs away from the surface for as long as the limit holds (windup). With `limited` they are given what the surface can
+do: the command is cut off inside the law, and v_ad is what is then left of it,
+
+    v2_i = min(max(v_ad_i - (K_0^T x2)_i, v_min_i), v_max_i),   v_ad_i = v2_i + (K_0^T x2)_i
+
+with the limits from `Given.design.limits_rad`: the saturation and the stops, whichever is closer. The paper has no
+such term (it leaves saturation to the adaptation), so `none`, as printed, is the default. Faults are not known to the
+law: it counts with the limits of the healthy surface.
+
 The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.py`): their records hold the fields of
 `PREDICTOR_PARAMS` and `PREDICTOR_STATE`.
 """
@@ -53,6 +64,8 @@ PREDICTOR_PARAMS = [
     ("centres", "f8", (NODES,)),
     ("width", "f8"),
     ("psi_0", "f8"),  # heading at the start, rad
+    ("v_min", "f8", (3,)),  # limits of v2 inside the law, rad; infinite where it is left as printed
+    ("v_max", "f8", (3,)),
 ]
 PREDICTOR_STATE = [
     ("started", "f8"),
@@ -71,6 +84,7 @@ PREDICTOR_STATE = [
 A_M = ((-8.5, 1.2, -3.5), (-1.5, -1.5, -1.0), (-0.02, 0.0, -2.0))  # 1/s, paper section 4
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ZEROS = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+UNLIMITED = np.array([[-np.inf, np.inf]] * 3)  # rad
 BOUNDS = "[lower, upper] with 0 < lower <= 1 <= upper and lower < upper"
 
 
@@ -107,6 +121,9 @@ class PredictorConfig(Model):
     integration: Literal["implicit", "explicit"] = "implicit"
     """how predictor and adaptive laws are sampled: `implicit`, stable at every rate; `explicit`, forward Euler, to show
     what it does (give it `rate_hz: 1000`)"""
+    anti_windup: Literal["none", "limited"] = "none"
+    """`none`: predictor and filter are given the command as asked for, as printed; `limited`: as cut off by saturation
+    and stops, so that it does not run away while a surface is at its limit"""
     rbf: Rbf = Rbf()
     """network of the inner loop"""
 
@@ -131,6 +148,7 @@ def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
     """Return the values of `PREDICTOR_PARAMS`, K and K_0; the gains are computed from the design matrices here."""
     A_m, B_m = np.array(config.A_m), np.array(config.B_m)
     A_s = A_m + np.array(config.K_1)
+    limits = given.design.limits_rad if config.anti_windup == "limited" else UNLIMITED
     return {
         "h": given.h,
         "A_m": A_m,
@@ -146,6 +164,8 @@ def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
         "centres": config.rbf.centres,
         "width": config.rbf.width,
         "psi_0": given.psi_0,
+        "v_min": limits[:, 0],
+        "v_max": limits[:, 1],
         "K": reference_gain(A_m if config.reference_gain == "plant" else A_s, B_m),
         "K_0": config.K_0,
     }
@@ -165,6 +185,16 @@ def start(s, x2):
         s.x2[i] = x2[i]
         s.omega_hat[i] = 1.0
     s.started = 1.0
+
+
+@law
+def limited(p, s, i, feedback):
+    """Return channel i of v2 = v_ad - feedback within its limits, rad, and keep in v_ad what is applied of it."""
+    asked = s.v_ad[i] - feedback
+    v2 = clipped(asked, p.v_min[i], p.v_max[i])
+    if v2 != asked:  # or v_ad would be rounded where nothing is cut off
+        s.v_ad[i] = v2 + feedback
+    return v2
 
 
 @law

@@ -11,6 +11,7 @@ from uavftc.analysis.metrics import metrics_of
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.flight.recorder import published
+from uavftc.flight.trusted import TrustedRange
 from uavftc.results.flight import FlightResult, origin_of
 from uavftc.scenario.schema import Scenario
 
@@ -35,7 +36,10 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     origin = origin_of(flight)
     records, outcome = fly_to_memory(flight)
     axes = metrics_of(records, completed=outcome.completed)
-    return FlightResult(flight.scenario, outcome, axes, published(records) if keep_history else None, origin)
+    trusted = TrustedRange(flight.aircraft.trusted)
+    trusted.take(records)
+    history = published(records) if keep_history else None
+    return FlightResult(flight.scenario, outcome, axes, history, origin, trusted.remarks())
 
 
 def fly_all(
