@@ -4,15 +4,14 @@
     python tools/compare_checkouts.py OLD NEW --quick    # a dozen of them
     python tools/compare_checkouts.py OLD NEW --only mrac --python OLD_PYTHON NEW_PYTHON
 
-For a change that must not change any flight. Each flight is `python -m uavftc fly ...` in a process of its own, one at
-a time for each checkout, so only the command line has to stay as it is. Compared are the exit code, `history.parquet`
-to the last bit (any NaN equals any NaN, null equals null; 0 and -0 differ), and `summary.json` but for `timing` and
-`provenance`, and `files` (checksums).
-Columns that NEW adds are told and are no difference. Exit code 0: all identical; 1: not all; 2: nothing
-could be compared.
+For a change that must not change any flight. Each flight is `python -m uavftc fly ...` in a separate process, one at
+a time for each checkout, so only the command line has to stay as it is. It compares the exit code, `history.parquet`
+to the last bit (any NaN equals any NaN, null equals null; 0 and -0 differ), and `summary.json` without `timing`,
+`provenance` and `files` (checksums). Columns that NEW adds are reported but are no difference. Exit code 0: all
+identical; 1: not all; 2: nothing could be compared.
 
 A checkout is flown by its own `.venv/bin/python`, or else by the one that runs this. Names such as `pid` are entry
-points of what is installed there: where they move, NEW needs an environment of its own. Nothing is taken from an older
+points of what is installed there: where they move, NEW needs a separate environment. Nothing is taken from an older
 run: both checkouts compile their laws anew, in a temporary folder.
 """
 
@@ -194,7 +193,7 @@ FLIGHTS = list(dict.fromkeys(QUICK + MORE))
 
 
 class Side(NamedTuple):
-    """A checkout, who flies it, and a temporary folder of its own."""
+    """A checkout, the Python that flies it, and a temporary folder."""
 
     checkout: Path
     python: Path
@@ -220,10 +219,10 @@ class Side(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """What came of a flight: its exit code, or None if it did not end in time; its last word; its folder."""
+    """What came of a flight: its exit code, or None if it did not end in time; its last message; its folder."""
 
     code: int | None
-    told: str
+    message: str
     folder: Path
 
 
@@ -263,7 +262,7 @@ def probe(side: Side) -> dict[str, str]:
 
 
 class Compared(NamedTuple):
-    """What differs in a flight, and what is told without being a difference."""
+    """What differs in a flight, and what is reported without being a difference."""
 
     differences: list[str]
     notes: list[str]
@@ -276,7 +275,7 @@ def compare(old: Flown, new: Flown) -> Compared:
         found.differences.append(f"exit code {old.code} / {new.code}")
     for name, side in (("OLD", old), ("NEW", new)):
         if side.code not in (0, LOST):  # also where both are the same: there is nothing to compare
-            found.differences.append(f"not flown by {name}: exit code {side.code}: {side.told}")
+            found.differences.append(f"not flown by {name}: exit code {side.code}: {side.message}")
     for file, differ in (("history.parquet", _histories), ("summary.json", _summaries)):
         present = [(side.folder / file).is_file() for side in (old, new)]
         if all(present):

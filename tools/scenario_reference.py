@@ -137,7 +137,7 @@ def rendered(page: str) -> str:
     Raises
     ------
     KeyError
-        If the page names a table that there is none of.
+        If the page names a table that does not exist.
     """
     pattern = re.compile(r"<!-- keys: ([\w ]+) -->\n.*?<!-- end -->", re.DOTALL)
     return pattern.sub(

@@ -12,7 +12,7 @@ Both columns of Tables 3 and 5 (48 integral metrics) are flown on the analytic p
     unit of the disturbance d2                  0.3 to 3 deg/s^2 a printed unit
 
 The measure is the root mean square of ln(ours / printed); what is lost counts as ten times off. Differential
-evolution with a fixed seed: the same search gives the same answer. The result stands in docs/reproduction.md.
+evolution with a fixed seed: the same search gives the same answer. The result is in docs/reproduction.md.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
     python tools/survey_aircraft.py                      # about ten minutes on two cores, less from the cache
     python tools/survey_aircraft.py --out page.md c172p 737
 
-Each aircraft is flown in a process of its own, because some crash JSBSim; the limits are the aircraft's own
+Each aircraft is flown in a separate process, because some crash JSBSim; the limits are those of the aircraft
 (`saturation=null`). The page is the same for the same code, whatever the order and the number of processes.
 """
 
@@ -35,7 +35,7 @@ ROOT = Path(__file__).parents[1]
 SCENARIOS = ("scenario1", "scenario3")
 MOST_IAE = 0.25  # rad s, on each axis of scenario 1: 1.4 times that of hale
 MOST_ERROR_DEG = 0.2  # deg, on each axis at the end
-PATIENCE_S = 600.0  # for loading and trimming one aircraft: the page must not tell how busy the machine was
+PATIENCE_S = 600.0  # for loading and trimming one aircraft: the page must not depend on how busy the machine was
 
 Survey = dict[str, Any]
 _stopped = threading.Event()
@@ -74,7 +74,7 @@ def fly_one(name: str) -> Survey:
 
 
 def in_child(name: str) -> Survey:
-    """Return `fly_one` of a process of its own."""
+    """Return `fly_one`, run in a separate process."""
     if _stopped.is_set():
         raise KeyboardInterrupt
     lost: Survey = {"name": name, "trim": None, "reason": None, "flights": {}}
@@ -87,8 +87,8 @@ def in_child(name: str) -> Survey:
         _stopped.set()
         raise KeyboardInterrupt
     if done.returncode != 0:
-        told = [line for line in done.stderr.splitlines() if line.strip()][-1:] or [f"exit code {done.returncode}"]
-        return lost | {"reason": f"the process that flies it ended abnormally: {told[0]}"}
+        last = [line for line in done.stderr.splitlines() if line.strip()][-1:] or [f"exit code {done.returncode}"]
+        return lost | {"reason": f"the process that flies it ended abnormally: {last[0]}"}
     return json.loads(done.stdout.strip().splitlines()[-1])
 
 

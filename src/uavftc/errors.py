@@ -1,4 +1,4 @@
-"""The one error a user can cause: wrong input, told so that it can be mended."""
+"""The one error a user can cause: wrong input, with what is needed to fix it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ class InputError(Exception):
     Parameters
     ----------
     where
-        Place of the fault: file, line and key, or the option.
+        Place of the error: file, line and key, or the option.
     found
-        What stands there.
+        What is there.
     expected
-        What should stand there.
+        What should be there.
     remedy
-        How to mend it.
+        How to fix it.
     """
 
     def __init__(self, where: str, *, found: str, expected: str, remedy: str) -> None:
@@ -39,7 +39,7 @@ def _rebuild(kind: type[InputError], where: str, found: str, expected: str, reme
 
 
 class CombinedInputError(InputError):
-    """Several input errors told at once; its fields are those of the first.
+    """Several input errors reported at once; its fields are those of the first.
 
     Parameters
     ----------
@@ -61,5 +61,5 @@ class CombinedInputError(InputError):
 
 
 def join(errors: Sequence[InputError]) -> InputError:
-    """Return one error that tells all of `errors`, in their order."""
+    """Return one error that reports all of `errors`, in their order."""
     return errors[0] if len(errors) == 1 else CombinedInputError(errors)

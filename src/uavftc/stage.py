@@ -1,13 +1,13 @@
-"""The names by which a compiled custom controller of an earlier version imports its tools; see `core.stage`.
+"""Names for compiled custom controllers written for an earlier version; see `core.stage`.
 
-There the entry of a law was written out, and `Stage` decorated it:
+In that version the entry of a law was written out, and `Stage` decorated it:
 
     @Stage(PARAMS, STATE)
     def stage(p, s, row):
         step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])
 
-It still flies: what is compiled is this entry, and `carray` of a record is the record. New is
-`stage = Stage(step, PARAMS, STATE)`, from `uavftc.core.stage`.
+Such a law still flies: this entry is compiled, and `carray` of a record is the record. New laws are written as
+`stage = Stage(step, PARAMS, STATE)`, with `Stage` from `uavftc.core.stage`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def Stage(params: np.dtype, state: np.dtype) -> Callable[[Callable[..., None]], 
 
 
 def carray(memory: Any, shape: Any) -> Any:
-    """Return the records or numbers at a pointer, which is a record itself or memory of the law's own."""
+    """Return the records or numbers at a pointer: a record itself, or memory that the law lays out."""
     return memory.reshape(-1)[: int(np.prod(shape))].reshape(shape) if isinstance(memory, np.ndarray) else (memory,)
 
 

@@ -16,7 +16,7 @@ N_BETA = {5: -20.0, 2: 0.3, 6: 6.0}  # 1/s^2 on p, q, r, by their row of A
 
 
 def plane(own=B_OWN, coupling=0.0):
-    """Return (A, B) of an aircraft with a dihedral, a weathercock and, if wanted, coupled surfaces."""
+    """Return (A, B) of an aircraft with a dihedral, a weathercock and, on request, coupled surfaces."""
     A = np.zeros((8, 8))
     A[4, 4], A[4, 7] = Y_BETA, Y_PHI
     for row, value in N_BETA.items():
@@ -39,7 +39,7 @@ def test_first_moment_of_a_step_is_the_worst_axis_over_the_surfaces_own_response
 
 @pytest.mark.parametrize("coupling", [0.0, 1.5])
 def test_steady_bank_balances_side_force_and_moments(coupling):
-    # At the sideslip told, 0 = Y_beta beta + Y_phi phi; with the deflections told, 0 = N beta + B u on every axis.
+    # At the reported sideslip 0 = Y_beta beta + Y_phi phi; with the reported deflections 0 = N beta + B u on each axis.
     A, B = plane(coupling=coupling)
     found = authority(A, B, LIMITS, **DESIGN)
     phi = np.radians(5.0)
@@ -113,13 +113,13 @@ def test_each_obstacle_names_its_surface(surface, name):
 
 
 def test_coupling_counts_in_units_of_each_surfaces_own_axis():
-    # Two surfaces that do the same: told with the condition number; scaling a surface's unit changes nothing.
+    # Two surfaces that do the same: reported with the condition number; scaling a surface's unit changes nothing.
     B = np.array([[1.0, 0.0, 0.99], [0.0, 1.0, 0.0], [0.99, 0.0, 1.0]])
     condition = 1.99 / 0.01  # of the symmetric 2 by 2 block
-    told = [f"B is ill-conditioned: condition number {condition:.0f}, surfaces scaled to their own axes"]
+    found = [f"B is ill-conditioned: condition number {condition:.0f}, each surface scaled to its axis"]
     assert condition > COUPLING_MAX
-    assert obstacles(B, LIMITS, LINEAR, AMPLE) == told
-    assert obstacles(B * [1.0, 50.0, 1.0], LIMITS, LINEAR, AMPLE) == told
+    assert obstacles(B, LIMITS, LINEAR, AMPLE) == found
+    assert obstacles(B * [1.0, 50.0, 1.0], LIMITS, LINEAR, AMPLE) == found
     assert obstacles(np.diag([1.0, 1000.0, 0.1]), LIMITS, LINEAR, AMPLE) == []
 
 
@@ -132,10 +132,10 @@ def test_what_is_no_number_is_an_obstacle():
     assert "too little aileron" in obstacles(np.diag(B_OWN), LIMITS, LINEAR, np.array([np.nan, 5.0, 5.0]))[0]
 
 
-def test_what_does_not_respond_is_told_alone():
-    # Of a surface without response every other number is noise: only the cause is told, of all such surfaces.
-    told = obstacles(np.diag([0.0, 0.0, 5.0]), LIMITS, LINEAR, np.zeros(3))
-    assert [t.split(":")[0] for t in told] == [
+def test_what_does_not_respond_is_reported_alone():
+    # Of a surface without response every other number is noise: only the cause is reported, for all such surfaces.
+    found = obstacles(np.diag([0.0, 0.0, 5.0]), LIMITS, LINEAR, np.zeros(3))
+    assert [t.split(":")[0] for t in found] == [
         "no small-signal aileron response",
         "no small-signal elevator response",
     ]

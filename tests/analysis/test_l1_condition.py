@@ -103,7 +103,7 @@ class TestTheorem3:
         assert result.reason is None
 
     def test_with_different_filters_the_printed_form_is_too_small(self):
-        # Effectiveness 0.5, 0.7, 1 gives three filters, and C H^-1 no longer commutes: ||C|| = 1 is no bound.
+        # Effectiveness 0.5, 0.7, 1 gives three filters, and C H^-1 no longer commutes: ||C|| = 1 is not a bound.
         mixed = norms_of(A_S, omega=np.array([0.5, 0.7, 1.0]), **SHARED)
         assert pytest.approx(1.0, abs=1e-6) == mixed.C
         assert mixed.HCH_s > 1.02

@@ -146,7 +146,7 @@ def test_heading_across_south_is_two_degrees_not_358():
 
 
 def test_lost_flight_has_no_steady_state_and_no_convergence_time():
-    # what it did until then counts; what it would have reached is not known
+    # what it did until then counts; what it would have reached is unknown
     metrics = Metrics()
     metrics.take(flight(np.full(5, 0.1)))
     result = metrics.axes(completed=False)["pitch"]
@@ -175,7 +175,7 @@ def test_control_activity_is_the_total_variation_of_the_command():
 
 
 def test_no_row_at_all_is_no_result_but_no_error():
-    # a flight lost in its first row: there is no error to speak of
+    # a flight lost in its first row has no error to measure
     metrics = Metrics()
     metrics.take(flight(np.zeros((0, 3))))
     assert metrics.axes(completed=False)["roll"]["steady_state_error_deg"] is None

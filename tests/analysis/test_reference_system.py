@@ -1,4 +1,4 @@
-"""The reference system (45): against the continuous adaptive law, and beside sampled flights of the analytic plant."""
+"""The reference system (45): against the continuous adaptive law, and against sampled flights of the analytic plant."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def inner_block(flight):
     return l1.blocks(flight.scenario.controller.inner, flight.given)[0]
 
 
-def beside(scenario, A, gain, overrides=()):
+def distances(scenario, A, gain, overrides=()):
     """Return (largest |x_ref - x2|, largest |v_ref - v_ad|, largest |v1|, largest |x2_tilde|) of an analytic flight."""
     flight, records, _ = flown(scenario, "analytic", None, overrides)
     law = replay(inner_block(flight), records)
@@ -145,7 +145,7 @@ def test_eta_closes_the_equations_of_the_flight():
 
 
 def test_the_simulation_is_exact_for_linear_inputs():
-    # Beside an integration a hundred times finer, with commands and disturbance that are linear over each sample.
+    # Against an integration a hundred times finer, with commands and disturbance that are linear over each sample.
     n, h = 41, 0.005
     records = as_records(empty_rows(n))
     t = records["t"] = np.arange(n) * h
@@ -217,7 +217,7 @@ class TestBesideFlights:
     def test_with_the_plants_matrix_the_flight_is_close(self):
         # 200 Hz: what is left is the sampling, two per cent of the commanded rate. The continuous loop leaves nothing,
         # and one that is sampled without any adaptation nearly as much as the flight.
-        x2, v_ad, r, x2_tilde = beside("scenario1", A_M, K)
+        x2, v_ad, r, x2_tilde = distances("scenario1", A_M, K)
         assert continuous_share(A_M, K, K) < 1e-9
         assert x2 / r == pytest.approx(sampled_share(0.005), rel=0.15)
         assert v_ad < 1e-3  # rad; the surfaces move by hundredths
@@ -225,26 +225,26 @@ class TestBesideFlights:
 
     def test_what_is_left_is_the_sampling(self):
         # A first-order effect: five times the rate, a fifth of the difference.
-        slow, fast = (beside("scenario1", A_M, K, over) for over in ((), ("controller.rate_hz=1000",)))
+        slow, fast = (distances("scenario1", A_M, K, over) for over in ((), ("controller.rate_hz=1000",)))
         assert fast[0] / slow[0] == pytest.approx(0.2, abs=0.02)
         assert fast[1] / slow[1] == pytest.approx(0.2, abs=0.02)
 
     def test_with_the_printed_matrix_a_fixed_share_of_the_command_is_left(self):
-        # With the default gain, with eq. (45) to the letter (K_2) beside the default gain, and with K_2 in both; no
+        # With the default gain, with eq. (45) to the letter (K_2) next to the default gain, and with K_2 in both; no
         # sample rate makes it smaller.
-        r = beside("scenario1", A_S, K)[2]
+        r = distances("scenario1", A_S, K)[2]
         left = continuous_share(A_S, K, K)
         assert left > 0.5
-        assert beside("scenario1", A_S, K)[0] / r == pytest.approx(left, abs=0.005)
-        assert beside("scenario1", A_S, K_2)[0] / r == pytest.approx(continuous_share(A_S, K_2, K), abs=0.005)
-        printed = beside("scenario1", A_S, K_2, PRINTED_GAIN)[0]
+        assert distances("scenario1", A_S, K)[0] / r == pytest.approx(left, abs=0.005)
+        assert distances("scenario1", A_S, K_2)[0] / r == pytest.approx(continuous_share(A_S, K_2, K), abs=0.005)
+        printed = distances("scenario1", A_S, K_2, PRINTED_GAIN)[0]
         assert printed / r == pytest.approx(continuous_share(A_S, K_2, K_2), abs=0.005)
-        fast = beside("scenario1", A_S, K, ("controller.rate_hz=1000",))
+        fast = distances("scenario1", A_S, K, ("controller.rate_hz=1000",))
         assert fast[0] / fast[2] == pytest.approx(left, abs=0.005)
 
     def test_faults_and_disturbances_do_not_part_them(self):
         # eta takes everything that the plant did beyond the model, so the sampled loop stays as close under faults.
-        x2, _, r, _ = beside("scenario3", A_M, K)
+        x2, _, r, _ = distances("scenario3", A_M, K)
         assert x2 / r < 0.05
 
 
@@ -283,7 +283,7 @@ class TestAssumptions:
         for sentence, word in zip(found, words, strict=True):
             assert word in sentence
 
-    def test_jumps_are_told_from_smooth_signals(self):
+    def test_jumps_are_distinguished_from_smooth_signals(self):
         # 200 Hz: sines, ramps and kinks have none; a step, a window and a pulse of one sample have.
         t = np.arange(0.0, 5.0, 0.005)
         smooth = [np.sin(3.0 * t), np.abs(np.sin(2.0 * t)), t**2, np.maximum(t - 2.0, 0.0), np.exp(-20.0 * t), 0.0 * t]

@@ -94,7 +94,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_wrong_input_is_told_and_nothing_is_written(case: str, tmp_path: Path):
+def test_wrong_input_is_reported_and_nothing_is_written(case: str, tmp_path: Path):
     arguments, words = WRONG[case]
     done = run(*arguments)
     assert done.exit_code == 2, done.output
@@ -115,7 +115,7 @@ def test_a_foreign_file_in_the_result_folder_is_named_and_kept():
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_ctrl_c_ends_it_at_once_and_leaves_nothing(tmp_path):
-    told = (
+    script = (
         "import uavftc.jobs.compare as c; fly = c.fly_one\n"
         "def fly_one(scenario): print('flying', flush=True); return fly(scenario)\n"
         "c.fly_one = fly_one\n"
@@ -123,7 +123,7 @@ def test_ctrl_c_ends_it_at_once_and_leaves_nothing(tmp_path):
     )
     arguments = ["compare", "scenario1", "--set", "duration_s=3600", "--out", "deep/run"]
     process = subprocess.Popen(
-        [sys.executable, "-c", told, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", script, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "flying\n"

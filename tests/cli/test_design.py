@@ -20,7 +20,7 @@ HALE_README = Path(__file__).parents[2] / "aircraft" / "hale" / "README.md"
 
 
 def run(folder: Path, *arguments: str) -> Result:
-    """In this process, which is quicker; one test below has a process of its own."""
+    """In this process, which is quicker; one test below starts a separate process."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         return CliRunner().invoke(umbrella, ["design", *arguments])
@@ -136,8 +136,8 @@ def test_the_controller_can_come_from_a_scenario(tmp_path):
     assert found["l1_norm_G"] > 0.5  # half the bandwidth leaves more to the disturbance than 0.37
 
 
-def test_a_flight_is_set_beside_its_bounds(hale, tmp_path):
-    # In a process of its own: one document on standard output, and nothing in the folder.
+def test_a_flight_is_compared_with_its_bounds(hale, tmp_path):
+    # In a separate process: one document on standard output, and nothing in the folder.
     # Scenario 1 meets the assumptions: bounds of the continuous law, and the maxima of the sampled flight.
     command = [sys.executable, "-m", "uavftc", "design", "hale", "--json", "--flight", "scenario1"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
@@ -304,7 +304,7 @@ def test_the_figure_is_drawn(tmp_path):
     assert "figure: poles.png" in done.stdout
 
 
-def test_a_flight_of_any_aircraft_is_set_beside_the_reference_system(tmp_path):
+def test_a_flight_of_any_aircraft_is_compared_with_the_reference_system(tmp_path):
     done = run(tmp_path, "jsbsim:c172p", "--json", "--flight", "scenario1", "--set", "saturation=null")
     assert done.exit_code == 0, done.output
     analytic = as_json(done.stdout)["flight"]["flights"][1]
@@ -327,7 +327,7 @@ WRONG = {
         ["another inner loop"],
     ),
     "a key that is none": (["hale", "--set", "controler.rate_hz=100"], ["--set", "controler", "controller"]),
-    "no airspeed": (["hale", "--airspeed-mps", "0"], ["--airspeed-mps", "above 0", "own condition"]),
+    "no airspeed": (["hale", "--airspeed-mps", "0"], ["--airspeed-mps", "above 0", "default condition"]),
     "an airspeed without a trim": (["jsbsim:c172p", "--airspeed-mps", "12"], ["no steady flight", "12 m/s"]),
     "an aircraft that does not load": (["jsbsim:L17"], ["fcs/flaps-pos-deg"]),
     "a figure of no kind": (["hale", "--figure", "poles.bmp"], ["--figure", ".bmp", ".png"]),
@@ -337,7 +337,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_wrong_input_is_told(case, tmp_path):
+def test_wrong_input_is_reported(case, tmp_path):
     text = (scenario_dir() / "scenario1.yaml").read_text(encoding="utf-8")
     (tmp_path / "mrac.yaml").write_text(text.replace("kind: l1", "kind: mrac"), encoding="utf-8")
     slow = text.replace("kind: l1", "kind: l1, filter_bandwidth: 30")

@@ -1,4 +1,4 @@
-"""`uavftc-fly` as a user meets it: in a process of its own, in an empty folder."""
+"""`uavftc-fly` as a user runs it: in a separate process, in an empty folder."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_wrong_input_is_told_and_nothing_is_written(case: str, tmp_path: Path) -> None:
+def test_wrong_input_is_reported_and_nothing_is_written(case: str, tmp_path: Path) -> None:
     arguments, words = WRONG[case]
     given = arguments(tmp_path)
     before = sorted(tmp_path.rglob("*"))

@@ -1,4 +1,4 @@
-"""Controllers of one's own from the command line: flown, lost, compared, and wrong."""
+"""Custom controllers from the command line: flown, lost, compared, and wrong."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_a_file_and_a_module_of_the_working_folder_fly_and_fly_again(tmp_path: P
 
 @pytest.mark.parametrize("at", [1.0, 0.0])
 def test_an_exception_in_flight_is_a_lost_vehicle(tmp_path: Path, at: float) -> None:
-    # the trial ends at 0.005 s; at 0 the trial itself would tell, so the step fails there on what only a flight has
+    # the trial ends at 0.005 s; at 0 the trial itself would fail, so the step fails there on what only a flight has
     source = FAILS_AT.format(at) if at else FAILS_AT.format("0 and x1_c[0] > 0.05")
     (tmp_path / "mine.py").write_text(source, encoding="utf-8")
     figures = ["--no-plots"] if at else []  # those of a flight without a row are drawn too
@@ -78,7 +78,7 @@ def test_an_exception_in_flight_is_a_lost_vehicle(tmp_path: Path, at: float) -> 
     assert len(read_history(tmp_path / "lost" / "history.parquet")["time_s"]) == round(200 * at)
 
 
-def test_own_controllers_are_compared_and_their_results_replaced(tmp_path: Path) -> None:
+def test_custom_controllers_are_compared_and_their_results_replaced(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(GOOD, encoding="utf-8")
     arguments = (
         "compare",
@@ -104,7 +104,7 @@ def test_own_controllers_are_compared_and_their_results_replaced(tmp_path: Path)
     (tmp_path / "other" / "mine.py").write_text(GOOD, encoding="utf-8")
     done = run(tmp_path, "compare", "scenario1", "--controllers", "./mine.py,./other/mine.py")
     assert done.returncode == 2
-    assert "two controllers that are called mine" in done.stderr
+    assert "two controllers with the name mine" in done.stderr
 
 
 WRONG = {
@@ -113,7 +113,7 @@ WRONG = {
         "pdi",
         ["--controller pdi", "one of ndi-l1", "pid, lqi", "mean pid?", "./my_controller.py"],
     ),
-    "no file": (None, "./nowhere.py", ["--controller ./nowhere.py", "no file", "looked in"]),
+    "no file": (None, "./nowhere.py", ["--controller ./nowhere.py", "not a file", "looked in"]),
     "no such module": (None, "numpy.nowhere", ["numpy.nowhere", "no module numpy.nowhere"]),
     "no controller": ("x = 1", "mine.py", ["mine.py", "neither create", "create(design, h, options)"]),
     "a wrong signature": ("def create(design): pass", "mine.py", ["mine.py, create", "create(design)"]),
@@ -128,7 +128,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_wrong_controllers_are_told_and_nothing_is_written(case: str, tmp_path: Path) -> None:
+def test_wrong_controllers_are_reported_and_nothing_is_written(case: str, tmp_path: Path) -> None:
     source, controller, words = WRONG[case]
     if source is not None:
         (tmp_path / "mine.py").write_text(source, encoding="utf-8")

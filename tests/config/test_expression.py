@@ -1,4 +1,4 @@
-"""Expressions of t: what they are worth, and that nothing but arithmetic gets in."""
+"""Expressions of t: their values, and that nothing but arithmetic gets in."""
 
 from __future__ import annotations
 
@@ -129,10 +129,10 @@ def test_what_is_not_finite_warns_nobody():
         ("max(**t)", "max(**t)"),
         ("(t, 1)", "(t, 1)"),
         ("()", "()"),
-        ("1 +", "no expression"),
-        ("sin(t", "no expression"),
-        ("t t", "no expression"),
-        ("010", "no expression"),
+        ("1 +", "not an expression"),
+        ("sin(t", "not an expression"),
+        ("t t", "not an expression"),
+        ("010", "not an expression"),
         ("", "empty"),
         (" \n", "empty"),
         ("ｓｉｎ(t)", "ｓｉｎ"),  # Python itself would read it as sin

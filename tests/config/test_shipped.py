@@ -35,8 +35,8 @@ def test_nothing_shipped_is_no_crash(tmp_path, monkeypatch):
 
 
 def test_loading_a_scenario_needs_none_of_the_heavy_libraries():
-    # a refused scenario must be told at once, not after seconds of imports; numba comes along, because the keys of a
-    # law stand in the file of the law, and looks whether there is a scipy
+    # a refused scenario must be reported at once, not after seconds of imports; numba is imported, because the keys
+    # of a law are in the file of the law, and numba looks for scipy
     code = (
         "import sys; from uavftc.scenario.load import load_scenario; load_scenario('scenario1');"
         "print([m for m in ('scipy.linalg', 'matplotlib', 'jsbsim', 'pyarrow') if m in sys.modules])"

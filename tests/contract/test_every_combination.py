@@ -1,4 +1,4 @@
-"""One suite over every plant and every controller: what a flight promises whatever is flown."""
+"""One suite over every plant and every controller: what every flight promises."""
 
 from __future__ import annotations
 

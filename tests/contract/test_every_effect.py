@@ -1,4 +1,4 @@
-"""One suite over every effect and every law: what a file promises that stands in the tuple of its chain."""
+"""One suite over every effect and every law: what a file in the tuple of its chain promises."""
 
 from __future__ import annotations
 

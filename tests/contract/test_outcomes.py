@@ -61,7 +61,7 @@ def test_the_recorder_gets_every_row_once_across_chunks() -> None:
     assert records[: len(short) - 1].tobytes() == short[:-1].tobytes()
 
 
-def test_a_flight_ends_where_it_is_told_to_and_keeps_what_was_flown() -> None:
+def test_a_flight_ends_where_it_is_stopped_and_keeps_what_was_flown() -> None:
     flight = build_flight(load_scenario("scenario1", plant="jsbsim"))
     memory, flown = MemoryRecorder(), [0]
     outcome = fly(flight, [memory], flown.append, stop=lambda: flown[-1] > 1000)
@@ -73,7 +73,7 @@ def test_a_flight_ends_where_it_is_told_to_and_keeps_what_was_flown() -> None:
 
 
 def test_ctrl_c_is_pythons_own_where_nobody_asked_to_stop() -> None:
-    # a job of many flights has no use for the half of one, and must not go on with the next
+    # a job of many flights cannot use half a flight, and must not go on with the next
     flight = build_flight(load_scenario("scenario1", plant="analytic"))
     memory = MemoryRecorder()
     with pytest.raises(KeyboardInterrupt):
@@ -97,7 +97,7 @@ def test_a_flight_flown_twice_is_refused_and_nothing_is_recorded(plant: str) -> 
 
 
 def ctrl_c_after(rows: int, times: int) -> Callable[[int], Iterator[Callable[[int], None]]]:
-    """A progress bar that presses Ctrl-C, so many times at once, when it is told of more than `rows` rows."""
+    """A progress bar that presses Ctrl-C, so many times at once, when it is called with more than `rows` rows."""
 
     @contextmanager
     def progress(total: int) -> Iterator[Callable[[int], None]]:

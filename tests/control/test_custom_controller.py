@@ -1,4 +1,4 @@
-"""A controller of one's own: both forms flown, what they are given, what is recorded, and how they may fail."""
+"""Custom controllers: both forms flown, what they are given, what is recorded, and how they may fail."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ EARLIER = COMPILED.replace("from uavftc.core.stage import", "from uavftc.stage i
     "stage = Stage(step, PARAMS, STATE)",
     "@Stage(PARAMS, STATE)\ndef stage(p, s, row):\n    step(carray(p, 1)[0], carray(s, 1)[0], carray(row, 1)[0])",
 )
-"""The same law, written as an earlier version took it."""
+"""The same law, written for an earlier version."""
 
 EARLIER_RAW = """
 import numpy as np
@@ -115,14 +115,14 @@ def test_both_forms_of_a_law_fly_the_same(fly, plant):
     assert two.completed
     for field in ("x1", "x2", "v1", "v2", "u2"):
         np.testing.assert_allclose(plain[field], compiled[field], rtol=0, atol=1e-9)
-    assert np.all(np.isnan(plain["d1_hat"]))  # what a controller does not tell is missing, not zero
+    assert np.all(np.isnan(plain["d1_hat"]))  # what a controller does not report is missing, not zero
     assert np.all(np.isnan(compiled["f_hat"]))
     np.testing.assert_array_equal(plain["v1"], 0.5 * (plain["x1_c"] - plain["x1_meas"]))
 
 
 @pytest.mark.parametrize("source", [EARLIER, EARLIER_RAW], ids=["records", "memory of its own"])
 def test_a_law_written_for_an_earlier_version_flies_the_same_bits(fly, source):
-    # who has a compiled controller keeps it: its entry and its imports still mean the same law
+    # a compiled controller of an earlier version still flies: its entry and its imports mean the same law
     for plant in ("analytic", "jsbsim"):
         _, new, one = fly(COMPILED, plant, name="law.py")
         _, earlier, two = fly(source, plant, name="earlier.py")
@@ -289,7 +289,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_is_wrong_with_a_controller_is_told_before_the_flight(fly, case):
+def test_what_is_wrong_with_a_controller_is_reported_before_the_flight(fly, case):
     source, words = WRONG[case]
     with pytest.raises(InputError) as error:
         fly(source, "analytic")

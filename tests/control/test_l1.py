@@ -96,7 +96,7 @@ def test_closed_loop_is_stable_and_accurate_at_every_rate(rate):
 
 @pytest.mark.parametrize("rate", RATES)
 def test_estimates_stay_away_from_their_bounds(rate):
-    # the bounds are not printed; those chosen must not bind in the paper's own conditions
+    # the bounds are not printed; the chosen ones must not bind in the paper's conditions
     flight = step_flight(rate)
     fly_to_memory(flight)
     (state,) = (b.state[0] for b in flight.program.blocks if b.stage is l1.stage)

@@ -1,4 +1,4 @@
-"""The regulator against the Riccati equation and the optimum it stands for, and in the paper's scenarios."""
+"""The regulator against the Riccati equation and its optimum, and in the paper's scenarios."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DESIGN = ControlDesign(A, B, np.array([[-0.05, 0.1]] * 3), np.array([0.1, 0.2, 0
 
 
 def test_the_sampled_model_is_the_kinematics_and_the_linear_pair():
-    # x1' = g1(x1_trim) x2 by the project's own kinematics, x2' = A x2 + B v2, xi' = x1, over one sample
+    # x1' = g1(x1_trim) x2 by the project's kinematics, x2' = A x2 + B v2, xi' = x1, over one sample
     Phi, Gamma = lqi.sampled(DESIGN, H)
     slow, _ = lqi.sampled(DESIGN, 1e-7)
     for i, axis in enumerate(np.eye(3)):

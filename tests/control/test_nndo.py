@@ -83,7 +83,7 @@ def test_idle_where_the_kinematics_are_exact(rate):
 
 
 def test_idle_in_a_whole_flight_with_exact_kinematics():
-    # eqs. (14) to (16) do nothing in the paper's own scenarios: d1 = 0, and d2 enters the inner loop only
+    # eqs. (14) to (16) do nothing in the paper's scenarios: d1 = 0, and d2 enters the inner loop only
     rate, duration = 200, 20.0
     scenario = Scenario.model_validate(
         {

@@ -1,4 +1,4 @@
-"""The cascaded autopilot against what its gains are made for, and in the paper's scenarios."""
+"""The cascaded autopilot: the dynamics that its gains are designed for, and the paper's scenarios."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def test_at_a_limit_the_integral_settles_and_lets_go_at_once():
 
 def test_the_heading_error_is_taken_the_short_way_round():
     here, there = np.array([0.0, 0.0, 3.0]), np.array([0.0, 0.0, -3.0])
-    _, told = pid.create(design(), H, {})(0.0, there, here, np.zeros(3))
-    np.testing.assert_allclose(told["v1"], [0.0, 0.0, 0.5 * (2 * np.pi - 6.0)])
+    _, telemetry = pid.create(design(), H, {})(0.0, there, here, np.zeros(3))
+    np.testing.assert_allclose(telemetry["v1"], [0.0, 0.0, 0.5 * (2 * np.pi - 6.0)])
 
 
 @pytest.mark.parametrize("plant", ["analytic", "jsbsim"])

@@ -68,7 +68,7 @@ def test_step_solves_the_whole_backward_euler_system(stage, h):
         state = random_state(rng)
         s = stepped(h, **state, stage=stage)
         expected = backward_euler(h, **state)
-        # x2_tilde is small beside the right side it is computed from: compare on the scale of the state
+        # x2_tilde is small compared with the right side it is computed from: compare on the scale of the state
         np.testing.assert_allclose(s["x2_hat"], expected[0], rtol=0, atol=1e-13)
         for name, value in zip(ESTIMATES, expected[1:], strict=True):
             np.testing.assert_allclose(s[name], value, rtol=0, atol=1e-11)

@@ -1,4 +1,4 @@
-"""The home of the caches, and what serves where it is not safe or cannot be written."""
+"""The home of the caches, and what is used where it is not safe or cannot be written."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def home(tmp_path, monkeypatch):
 
 
 def test_one_variable_moves_every_cache(home, monkeypatch):
-    # without it, or where it is empty, the system's place for caches serves
+    # without it, or where it is empty, the system's place for caches is used
     assert cache_home() == home
     for unset in (lambda: monkeypatch.setenv("UAVFTC_CACHE_DIR", ""), lambda: monkeypatch.delenv("UAVFTC_CACHE_DIR")):
         unset()
@@ -47,7 +47,7 @@ def test_laws_models_copies_and_fleet_lie_in_the_one_home(home, monkeypatch):
 
 @pytest.mark.skipif(os.name != "posix", reason="the system has other permissions")
 def test_a_folder_is_made_for_this_user_alone(home):
-    # also where the mask of new files lets a group write: what lies there is run
+    # also where the mask of new files lets a group write: what is there is run
     before = os.umask(0o002)
     try:
         folder = cache_folder("models", "abc")
@@ -107,6 +107,6 @@ def test_without_any_writable_place_a_fresh_temporary_folder_serves(home, tmp_pa
 
 
 def test_another_home_can_be_named(home, tmp_path):
-    # compiled laws have a variable of their own
+    # compiled laws have a separate variable
     assert cache_folder("abc", home=tmp_path / "other") == tmp_path / "other" / "abc"
     assert not home.exists()

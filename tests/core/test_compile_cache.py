@@ -18,7 +18,7 @@ from uavftc.core import compile_cache
 
 @pytest.fixture
 def source(tmp_path, monkeypatch):
-    """A copy of the package that the cache takes for the source; its cache lies in tmp_path/cache."""
+    """A copy of the package that the cache takes as the source; its cache is in tmp_path/cache."""
     copy = tmp_path / "copy"
     shutil.copytree(Path(compile_cache.__file__).parents[1], copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(compile_cache, "__file__", str(copy / "core" / "compile_cache.py"))
@@ -46,7 +46,7 @@ def test_cache_folder_belongs_to_exactly_this_source(source, tmp_path):
         file.write_text(file.read_text() + "\n# changed\n")
         names.add(folder_of().name)
     assert len(names) == 14
-    for changed in ("cli/app.py", "report/table.py"):  # nothing compiled lies there
+    for changed in ("cli/app.py", "report/table.py"):  # nothing compiled is there
         file = source / changed
         file.write_text(file.read_text() + "\n# changed\n")
         assert folder_of().name in names

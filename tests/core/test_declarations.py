@@ -67,7 +67,7 @@ class Use(ast.NodeVisitor):
             self.visit(target.slice)
 
     def _read(self, field):
-        if isinstance(field, str) and field not in self.writes:  # what it has written itself is its own
+        if isinstance(field, str) and field not in self.writes:  # what it has written itself it may read
             self.reads.add(field)
 
     def visit_Assign(self, node):
@@ -78,7 +78,7 @@ class Use(ast.NodeVisitor):
         for name, value in pairs:
             if isinstance(name, ast.Name):
                 aliases[name.id] = self._meant(value)
-            if not (isinstance(name, ast.Name) and self._meant(value) is not None):  # another name for it is no use
+            if not (isinstance(name, ast.Name) and self._meant(value) is not None):  # another name for it does not help
                 self.visit(value)
         self._names.update(aliases)
         self._store(target)

@@ -44,7 +44,7 @@ def raises_after(p, s, row):
 
 @law
 def raises_on_an_effector(p, s, e, row):
-    """Raise at the third call on an effector that is told to."""
+    """Raise at the third call on an effector that is marked."""
     s.calls += p.nothing
     if s.calls >= 3.0:
         raise ValueError("the third")
@@ -247,7 +247,7 @@ def test_a_plant_that_drives_its_own_steps_repeats_them_on_a_copy():
 
 
 def test_a_law_that_raises_ends_the_run_with_its_name():
-    # a compiled call has no traceback: the status tells which block it was
+    # a compiled call has no traceback: the status shows which block it was
     rows = empty_rows(6)
     program = Program([count.block(name="before"), third.block(name="brittle"), count.block(name="after")])
     assert program.run(rows, 0, 6) == 2
@@ -271,9 +271,9 @@ def test_a_law_that_raises_is_named_among_steps_in_python_too():
 @pytest.mark.parametrize("effector", [0, 1, 2])
 def test_a_law_that_raises_on_one_effector_ends_the_run(effector):
     # whichever it is: also if the law is well again on the next
-    rows, told = empty_rows(6), np.zeros(3, NOTHING)
-    told["nothing"][effector] = 1.0
-    program = Program([count.block()], [third_effector.block(told, name="brittle"), count.block(name="after")])
+    rows, marked = empty_rows(6), np.zeros(3, NOTHING)
+    marked["nothing"][effector] = 1.0
+    program = Program([count.block()], [third_effector.block(marked, name="brittle"), count.block(name="after")])
     assert program.run(rows, 0, 6) == 2
     assert program.why(as_records(rows)["status"][2]) == "the law brittle raised an exception"
     assert program["after"].state["calls"] == 2.0

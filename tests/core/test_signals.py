@@ -105,7 +105,7 @@ def test_column_takes_the_field_and_index_it_names():
 @settings(deadline=None)
 @given(psi=ANGLE, psi_c=ANGLE)
 def test_heading_is_published_within_half_a_turn_of_its_reference(psi, psi_c):
-    # psi is continuous in the row; in the history it lies beside its reference, whole turns away
+    # psi is continuous in the row; in the history it is next to its reference, whole turns away
     records = as_records(empty_rows(1))
     records["x1"][0, 2], records["x1_c"][0, 2] = psi, psi_c
     (published,) = column(records, "psi_rad")

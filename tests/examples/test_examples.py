@@ -149,7 +149,7 @@ class TestGyroScale:
     CHAIN = ("uavftc.sensors.CHAIN", "gyro_scale")
 
     def test_the_controller_is_shown_the_scaled_rates(self, tmp_path):
-        # after the bias, as it stands in the chain; the vehicle's own rates stay what they are
+        # after the bias, as in the chain; the vehicle's own rates stay what they are
         sensors = "sensors: {gyro_bias_degps: [0.1, 0, 0], gyro_scale_error: [0.02, -0.05, 0]}\n"
         wrong = [HEAD + "sensors: {gyro_scale: 0.02}\n"]
         records, found = flown(tmp_path, HEAD + sensors, *self.CHAIN, wrong=wrong)
@@ -204,7 +204,7 @@ class TestProportional:
         assert "expected: one of l1, mrac, proportional" in kind
 
     def test_it_flies_an_aircraft_of_six_degrees_of_freedom(self, tmp_path):
-        # one without a pair of its own too: trimmed, judged for its authority, and flown
+        # one without a linear pair too: trimmed, judged for its authority, and flown
         scenario = HEAD.replace("analytic", "jsbsim").replace("duration_s: 4", "duration_s: 2")
         scenario += "aircraft: jsbsim:c172p\ninitial: {airspeed_mps: 55, altitude_m: 1000}\n"
         records, found = flown(tmp_path, scenario, *self.CHAIN, controller="ndi-proportional")

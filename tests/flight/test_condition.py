@@ -1,4 +1,4 @@
-"""At which condition a flight begins: given, the aircraft's own, or the lowest airspeed with ample authority."""
+"""At which condition a flight begins: given, the aircraft's, or the lowest airspeed with ample authority."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def stock():
 
 
 def test_the_scenario_goes_before_the_aircraft_and_the_aircraft_before_a_choice(hale, stock):
-    # Each of the two values on its own: who gives an altitude alone does not thereby choose an airspeed.
+    # Each value alone: giving only an altitude does not choose an airspeed.
     own = hale.initial
     assert own is not None
     assert condition_of(scenario(), hale) == (own.airspeed_mps, own.altitude_m)
@@ -67,7 +67,7 @@ def test_the_companion_files_rotational_model_needs_no_trim(hale):
 
 
 def test_the_lowest_airspeed_with_ample_authority_is_chosen():
-    # Not the one with the most: an aircraft is flown as slowly as it is well in hand.
+    # Not the one with the most: an aircraft is flown as slowly as it can be controlled well.
     needed = 1.0 / float(np.min(authority_of(scenario(), model(reach=1.0)).ratio))  # reach of ratio 1
     models = [model(30.0, 2.0 * needed), model(40.0, 1.01 * AMPLE * needed), model(50.0, 9.0 * needed)]
     assert best_model(scenario(), models).trim["airspeed"] == 40.0

@@ -30,7 +30,7 @@ def scenario(**sections):
 
 @pytest.fixture(scope="module")
 def stock():
-    """An aircraft without a companion file: it has neither an airspeed nor a control matrix of its own."""
+    """An aircraft without a companion file: it has neither an airspeed nor a control matrix."""
     return load_aircraft("jsbsim:c172p")
 
 

@@ -42,7 +42,7 @@ LOST = [
     ({"airspeed": 60.01}, envelope.FAST, "airspeed outside the envelope: 60.01 m/s, upper limit 60 m/s"),
     ({"height": 0.0}, envelope.GROUND, "ground contact"),
     ({"height": -3.0}, envelope.GROUND, "ground contact"),
-    ({"contact": -1.0}, envelope.GROUND, "ground contact"),  # the gear touches above the ground's own height
+    ({"contact": -1.0}, envelope.GROUND, "ground contact"),  # the gear touches above the height of the ground
     ({"x1": [0, 0, np.nan]}, envelope.NOT_A_NUMBER, "a state or command is not a number"),
     ({"x2": [0, np.inf, 0]}, envelope.NOT_A_NUMBER, "a state or command is not a number"),
     ({"v2": [0, 0, -np.inf]}, envelope.NOT_A_NUMBER, "a state or command is not a number"),
@@ -51,7 +51,7 @@ LOST = [
 
 @pytest.mark.parametrize(("fields", "code", "words"), LOST)
 def test_each_limit_has_its_code_and_its_words(fields, code, words):
-    # the user reads why and when; the sign tells which way it went
+    # the user reads why and when; the sign shows which way it went
     status, row = watched(**fields)
     assert status == code
     assert envelope.reason(LIMITS[0], row) == f"{words}, at t = 1.234 s"

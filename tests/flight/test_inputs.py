@@ -139,7 +139,7 @@ def test_scenario_3_is_the_papers_table():
 
 @pytest.mark.parametrize("text", ["1 / (t - 8)", "sqrt(t - 8.001)", "1 / sqrt(t - 8.001)"])
 def test_expressions_are_evaluated_inside_their_window_only(text):
-    # An expression that is no number before 8 s is none of the flight's business before 8 s.
+    # An expression that is not a number before 8 s does not matter to the flight before 8 s.
     window = acceleration(8.005, 12.0, p_degps2=text)
     records = filled(disturbances=[window])
     assert np.all(np.isfinite(records["d2"]))

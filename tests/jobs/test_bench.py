@@ -1,4 +1,4 @@
-"""`uavftc bench`: what it tells and how. No time is asserted: a test's machine is never quiet."""
+"""`uavftc bench`: what it prints and how. No time is asserted: a test's machine is never quiet."""
 
 from __future__ import annotations
 
@@ -56,15 +56,15 @@ def test_the_document_holds_what_was_asked_for(document):
 def test_every_figure_is_a_positive_number_or_says_why_not(document):
     figures = dict(figures_of(document))
     assert len(figures) == 13
-    for name, told in figures.items():
-        if told["median"] is None:
-            assert told["reason"], name
+    for name, figure in figures.items():
+        if figure["median"] is None:
+            assert figure["reason"], name
             assert name == "peers.jsbgym"  # the only one that may not be there
             continue
-        assert math.isfinite(told["median"]), name
-        assert told["median"] > 0.0, name
-        low, high = told["spread"]
-        assert low <= told["median"] <= high, name
+        assert math.isfinite(figure["median"]), name
+        assert figure["median"] > 0.0, name
+        low, high = figure["spread"]
+        assert low <= figure["median"] <= high, name
 
 
 def test_a_ratio_is_that_of_its_parts(document):
@@ -81,17 +81,17 @@ def test_the_property_loop_does_as_much_as_the_bridge(document):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (("--rounds", "0"), "--rounds 0"),
         (("--only", "controler_step_us"), "did you mean controller_step_us?"),
         (("--only", ""), "names of figures"),
     ],
 )
-def test_wrong_options_are_refused(arguments, told):
+def test_wrong_options_are_refused(arguments, message):
     done = bench(*arguments)
     assert done.exit_code == 2
-    assert told in " ".join(done.stderr.split())
+    assert message in " ".join(done.stderr.split())
     assert done.stdout == ""
 
 
@@ -116,7 +116,7 @@ def test_a_round_measures_all_jobs_in_alternating_order():
     assert "".join(order) == "ab" + "ab" + "ba"  # warm-up, first round, second round
 
 
-def test_a_figure_tells_median_spread_and_bar():
+def test_a_figure_shows_median_spread_and_bar():
     assert Figure([3.0, 1.0, 2.0]).document(Bar(1.5)) == {
         "median": 2.0, "spread": [1.0, 3.0], "at_most": 1.5, "met": False,
     }  # fmt: skip
@@ -130,8 +130,8 @@ def test_what_cannot_be_measured_says_why(monkeypatch):
     def lost(rounds):
         raise NotMeasuredError("the flight did not reach its end: bank angle")
 
-    told = measured(CATALOGUE["analytic_step_us"]._replace(measure=lost), 1)
-    assert told == {"median": None, "spread": None, "reason": "the flight did not reach its end: bank angle"}
+    figure = measured(CATALOGUE["analytic_step_us"]._replace(measure=lost), 1)
+    assert figure == {"median": None, "spread": None, "reason": "the flight did not reach its end: bank angle"}
 
 
 def test_the_continuous_loop_is_given_the_scenarios_disturbance():

@@ -18,7 +18,7 @@ STARTS = [  # rad/s; about the largest axis, about the smallest, signs mixed, mi
 
 @pytest.mark.parametrize("w0", STARTS)
 class TestFreeRotation:
-    def test_starts_where_it_is_told(self, w0):
+    def test_starts_at_the_given_state(self, w0):
         # Given rates at t = 0 and an attitude, the closed form gives them back; a wrong phase or sign shows here.
         C0 = from_euler(np.array([0.4, -0.3, 2.0]))[0]
         motion = FreeRotation(HALE_J, np.array(w0), C0)

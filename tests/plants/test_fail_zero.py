@@ -1,4 +1,4 @@
-"""The project's `effectiveness: 0` beside the failure that JSBSim itself knows: an actuator's `malfunction/fail_zero`.
+"""The project's `effectiveness: 0` compared with JSBSim's failure of an actuator, `malfunction/fail_zero`.
 
 c172x has actuators on both ailerons with rate limits and a backlash, the same for both faults: fail_zero replaces the
 input of the actuator, effectiveness replaces the command upstream of it. They are not the same fault in two respects.

@@ -39,7 +39,7 @@ def kept(aircraft):
 
 @pytest.fixture
 def no_child(monkeypatch):
-    """Let a child process be an error, and nothing be known from within this process."""
+    """Make a child process an error, and let nothing be known in this process."""
 
     def child(*_args, **_options):
         raise AssertionError("a child process was started")
@@ -127,15 +127,15 @@ TYPOS = {
 
 
 @pytest.mark.parametrize("name", TYPOS)
-def test_a_typing_error_is_told_with_its_place(name, edited):
+def test_a_typing_error_is_reported_with_its_place(name, edited):
     # Given hale with one typing error, when it is made ready for flight, then the error names file, place and word.
-    file, changes, told = TYPOS[name]
+    file, changes, expected = TYPOS[name]
     folder = edited(file, *changes)
     line = line_of(folder, file, changes[0][1]) if changes[0][1] else 0
     with pytest.raises(InputError) as error:
         make(folder)
     text = str(error.value)
-    for part in told:
+    for part in expected:
         assert part.format(line=line) in text
     assert error.value.found
     assert error.value.remedy
@@ -174,8 +174,8 @@ def test_a_crash_is_not_remembered(edited):
     assert not kept(aircraft)
 
 
-def test_what_does_not_load_is_told_with_its_own_path(edited, tmp_path):
-    # Two folders with the same mistake have the same checksum: what was told of the one must not be told of the other.
+def test_what_does_not_load_is_reported_with_its_own_path(edited, tmp_path):
+    # Two folders with the same mistake have the same checksum: a message about one must not be repeated for the other.
     folder = edited("hale.xml", ("emptywt", "emptywgt"))
     other = tmp_path / "other" / "hale"
     shutil.copytree(folder, other)
@@ -196,14 +196,14 @@ def test_a_condition_without_a_trim_is_remembered(hale, request):
     assert refusal() == first
 
 
-def test_a_child_that_does_not_end_is_told(hale, monkeypatch):
+def test_a_child_that_does_not_end_is_reported(hale, monkeypatch):
     # An aircraft at which JSBSim hangs must not hang the command line.
     monkeypatch.setattr(model, "TIMEOUT_S", 0.01)
     with pytest.raises(InputError, match=re.escape("does not finish loading and trimming it within 0.01 s")):
         model.trimmed_model(hale, 29.0, 1000.0)
 
 
-def test_a_folder_without_its_files_is_told(edited):
+def test_a_folder_without_its_files_is_reported(edited):
     # The two files that make an aircraft are named when one is missing.
     folder = edited("hale.xml", ("hale", "hale"))
     (folder / "hale.xml").unlink()

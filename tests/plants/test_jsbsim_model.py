@@ -58,7 +58,7 @@ def first_accelerations(aircraft, at, u2, frames=1):
     return found
 
 
-# JSBSim's own linearisation destroys the FDM it is given, so it has a process of its own.
+# JSBSim's own linearisation destroys the FDM it is given, so it runs in a separate process.
 LINEARISATION = """
 import json, os, sys
 import jsbsim
@@ -104,7 +104,7 @@ def of_row(found, expected):
 
 @STOCK
 def test_trim_leaves_no_acceleration(name):
-    # Told and flown: JSBSim's own trim to its tolerance (2e-3), also in the first frame of a flight.
+    # Reported and flown: JSBSim's own trim to its tolerance (2e-3), also in the first frame of a flight.
     aircraft, found = stock(name)
     assert found.trim["method"] == "jsbsim"
     assert np.max(np.abs(found.trim["residual"])) < JSBSIM_TOLERANCE

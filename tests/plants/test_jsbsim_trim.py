@@ -139,7 +139,7 @@ class TestOtherConditions:
         assert thrust == pytest.approx(drag / np.cos(alpha), rel=1e-4)
 
     def test_start_leaves_no_acceleration(self, hale, airspeed, altitude):
-        # Away from the aircraft's own condition too: the autothrottle's set point must not kick at its switching on.
+        # Away from the aircraft's default condition too: switching the autothrottle on must not cause a jump.
         linear, angular = accelerations(plant_at(hale, airspeed, altitude).fdm)
         assert np.max(np.abs(linear)) < 1e-6
         assert np.max(np.abs(angular)) < 1e-9
@@ -191,7 +191,7 @@ def test_vertical_wind_from_the_start_carries_the_aircraft(hale, down):
 
 @pytest.mark.parametrize("airspeed", [60.0, 200.0])
 def test_no_trim_where_the_power_does_not_suffice(hale, airspeed):
-    # Drag times speed exceeds all shaft power at any efficiency: refused, with the condition and the remedy told.
+    # Drag times speed exceeds all shaft power at any efficiency: refused, with the condition and the remedy.
     assert level_flight(airspeed, 1000.0)[2] * airspeed > SHAFT_POWER
     with pytest.raises(InputError, match=f"trim at {airspeed:g} m/s and 1000 m") as error:
         plant_at(hale, airspeed)

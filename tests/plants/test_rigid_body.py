@@ -70,7 +70,7 @@ def test_printed_inertia_gives_the_textbook_coefficients():
 
 @pytest.mark.parametrize("change", [(0, 1, 3.0, 3.0), (1, 2, -5.0, -5.0), (0, 2, -8435.0, 8435.0)])
 def test_inertia_without_plane_of_symmetry_is_refused(change):
-    # Eq. (2) has no place for I_xy or I_yz, and a matrix that is not symmetric is no inertia: never computed silently.
+    # Eq. (2) has no place for I_xy or I_yz, and a matrix that is not symmetric is not an inertia: both are refused.
     i, j, upper, lower = change
     J = HALE_J.copy()
     J[i, j], J[j, i] = upper, lower

@@ -137,10 +137,10 @@ def test_a_surface_in_its_backlash_is_refused():
 
 
 def test_an_aircraft_without_a_trim_is_refused():
-    # B17: neither JSBSim's trim nor the project's finds a steady flight; the condition is told.
+    # B17: neither JSBSim's trim nor the project's finds a steady flight; the message names the condition.
     error = refusal("B17", "initial.airspeed_mps=62")
     assert error.where == "aircraft B17, trim at 62 m/s and 1500 m"
-    assert error.found == "no steady flight: JSBSim's trim fails, and so does the project's own"
+    assert error.found == "no steady flight: JSBSim's trim fails, and so does the project's"
     assert "initial.airspeed_mps" in error.remedy
 
 
@@ -152,7 +152,7 @@ def test_without_an_airspeed_the_refusal_names_the_speeds_tried():
 @pytest.mark.parametrize(
     ("name", "missing"), [("L17", "fcs/flaps-pos-deg"), ("dr1", "/sim/model/pushback/position-norm")]
 )
-def test_a_property_that_only_another_program_defines_is_told(name, missing):
+def test_a_property_that_only_another_program_defines_is_reported(name, missing):
     # Some of JSBSim's aircraft run under FlightGear only, which would define the property.
     error = refusal(name)
     assert f"The property {missing} does not exist" in error.found

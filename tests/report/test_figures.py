@@ -1,4 +1,4 @@
-"""The figures are made whatever the history holds, and show what happened in it."""
+"""The figures are made for every history, and show what happened in it."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def test_nothing_but_the_path_is_wider_than_80_columns_in_any_encoding(encoding)
     assert max(len(line) for line in lines if "results:" not in line) <= 80
 
 
-def test_colour_tells_how_near_but_is_not_needed(monkeypatch):
+def test_colour_shows_how_near_but_is_not_needed(monkeypatch):
     made = document()
     cells = metric_table(made).columns
     styles = [column._cells[0].style for column in cells[1:]]

@@ -1,4 +1,4 @@
-"""The bar is drawn for somebody who looks, and costs nothing otherwise."""
+"""The bar is drawn on a terminal, and costs nothing otherwise."""
 
 from __future__ import annotations
 

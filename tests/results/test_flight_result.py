@@ -41,7 +41,7 @@ def test_the_summary_is_that_of_the_flight(result: FlightResult) -> None:
     assert document["provenance"]["scenario_sha256"] == hashlib.sha256(text.encode()).hexdigest()
 
 
-def test_the_figures_are_told_of_faults_limits_and_disturbances(result: FlightResult) -> None:
+def test_the_figures_are_given_faults_limits_and_disturbances(result: FlightResult) -> None:
     context = result.figure_context()
     assert context.title == "scenario3: nndondi-l1 on hale, analytic"
     assert context.limits_rad == dict.fromkeys(("aileron", "elevator", "rudder"), (-0.05, 0.1))

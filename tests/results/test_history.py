@@ -37,7 +37,7 @@ def write(path: Path, *chunks: np.ndarray, metadata: dict[str, str] | None = Non
 
 
 def test_memory_recorder_keeps_each_chunk_without_a_copy():
-    # A flight gives each chunk memory of its own; copying it would cost 5 % of a flight on JSBSim.
+    # A flight gives each chunk separate memory; copying it would cost 5 % of a flight on JSBSim.
     recorder = MemoryRecorder()
     chunk = flight(10)
     recorder.take(chunk)

@@ -53,7 +53,7 @@ def dead_pid() -> int:
     return process.pid
 
 
-def test_the_folder_appears_only_when_complete_and_leaves_nothing_beside(tmp_path):
+def test_the_folder_appears_only_when_complete_and_leaves_nothing_else(tmp_path):
     target = tmp_path / "a" / "b" / "run"
     with ResultFolder(target) as folder:
         assert folder.path == tmp_path / "a" / "b" / f".run.partial-{os.getpid()}"

@@ -1,4 +1,4 @@
-"""summary.json keeps the published shape, never holds a NaN, and imports no plant to tell its version."""
+"""summary.json keeps the published shape, never holds a NaN, and imports no plant to find its version."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def test_options_come_back_as_they_were(load, tmp_path):
     assert scenario_text(again) == scenario_text(first)
 
 
-def test_a_file_is_looked_for_beside_the_scenario_then_here(load, tmp_path, monkeypatch):
+def test_a_file_is_looked_for_next_to_the_scenario_then_here(load, tmp_path, monkeypatch):
     here = tmp_path / "here"
     here.mkdir()
     monkeypatch.chdir(here)
@@ -99,7 +99,7 @@ def test_the_short_name_is_fit_for_a_folder_and_nobody_elses(kind, name):
 
 
 WRONG = [
-    ("controller: {kind: nowhere.py}", 3, "controller.kind", ["'nowhere.py'", "no file", "looked in"]),
+    ("controller: {kind: nowhere.py}", 3, "controller.kind", ["'nowhere.py'", "not a file", "looked in"]),
     ("controller: {kind: pdi}", 3, "controller.kind", ["'pdi'", "did you mean pid?", "ndi-l1", "./my_controller.py"]),
     ("controller: {kind: no-module}", 3, "controller.kind", ["'no-module'", "my_package.my_module"]),
     ("controller: {kind: ndi-l1}", 3, "controller.kind", ["pair of laws", "outer: {kind: ndi} and inner: {kind: l1}"]),
@@ -127,7 +127,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("text", "line", "key", "words"), WRONG)
-def test_what_is_wrong_is_told_with_its_line_and_nothing_of_the_other_form(refused, text, line, key, words):
+def test_what_is_wrong_is_reported_with_its_line_and_nothing_of_the_other_form(refused, text, line, key, words):
     error = refused(text)
     message = str(error)
     assert f"line {line}, key {key}\n" in message
@@ -136,7 +136,7 @@ def test_what_is_wrong_is_told_with_its_line_and_nothing_of_the_other_form(refus
         assert word in message, message
 
 
-def test_a_name_given_as_an_option_is_told_as_one(refused):
+def test_a_name_given_as_an_option_is_reported_as_one(refused):
     assert str(refused(controller="pdi")).startswith("--controller pdi, key controller.kind")
     assert "looked in" in str(refused(controller="./nowhere.py"))
 

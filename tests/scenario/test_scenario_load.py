@@ -1,4 +1,4 @@
-"""Reading the file: YAML as it is written in the field, places of errors, names of shipped scenarios, paths."""
+"""Reading the file: YAML as users write it, places of errors, names of shipped scenarios, paths."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_yaml_1_2_rules_hold_whatever_the_file_claims(refused):
         (b"# nothing\n", 1, "an empty file"),
         (b"- a\n", 1, "a list of 1"),
         (b"hello\n", 1, "'hello'"),
-        (b"name: a\nname: b\n", 2, "second time; it stands already at"),
+        (b"name: a\nname: b\n", 2, "second time; the first is at"),
         (b"name: a\ncontroller:\n  outer: {kind: ndi, kind: ndi}\n", 3, "second time"),
         (b"name: a\n\tduration_s: 1\n", 2, "a tab"),
         (b"name: a\n---\nname: b\n", 2, "a second document"),
@@ -119,7 +119,7 @@ def test_shipped_scenarios_are_found_by_name_from_any_folder(tmp_path, monkeypat
     assert load_scenario("scenario3") == load_scenario("scenario3.yaml")
     (tmp_path / "scenario3").mkdir()  # a results folder of that name is not in the way
     assert load_scenario("scenario3").name == "scenario3"
-    (tmp_path / "scenario3.yaml").write_text("name: mine\nduration_s: 1\n")  # a file of one's own is
+    (tmp_path / "scenario3.yaml").write_text("name: mine\nduration_s: 1\n")  # the user's file is
     assert load_scenario("scenario3.yaml").name == "mine"
 
 
@@ -130,10 +130,10 @@ def test_a_misspelt_name_gets_a_hint(tmp_path, monkeypatch):
 
 
 def test_every_shipped_scenario_loads_and_only_the_literal_rudder_warns():
-    told = {name: warnings(load_scenario(name)) for name in resources.scenario_names()}
-    assert set(told) >= {"scenario1", "scenario1-unsaturated", "scenario2", "scenario3", "gust"}
-    assert {name for name, lines in told.items() if lines} == {"scenario3"}
-    for name in told:
+    lines_of = {name: warnings(load_scenario(name)) for name in resources.scenario_names()}
+    assert set(lines_of) >= {"scenario1", "scenario1-unsaturated", "scenario2", "scenario3", "gust"}
+    assert {name for name, lines in lines_of.items() if lines} == {"scenario3"}
+    for name in lines_of:
         assert load_scenario(name).name == name
         assert controller_name(load_scenario(name)) == "nndondi-l1"
 
@@ -199,8 +199,8 @@ def test_the_same_words_for_files_of_another_schema():
     document = Document({"width": 1}, "bolt.yaml", {("width",): "bolt.yaml, line 7"})
     with pytest.raises(ValidationError) as error:
         Bolt.model_validate(document.data)
-    told = {str(e) for e in explain(error.value, document, Bolt)}
-    assert any("bolt.yaml, line 7, key width" in t and "did you mean width_m?" in t for t in told)
+    texts = {str(e) for e in explain(error.value, document, Bolt)}
+    assert any("bolt.yaml, line 7, key width" in t and "did you mean width_m?" in t for t in texts)
 
 
 def test_errors_survive_the_way_back_from_a_worker_process(refused):

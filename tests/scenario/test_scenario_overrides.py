@@ -85,7 +85,7 @@ def test_refusals_name_the_option(refused, override, said):
     assert said in message
 
 
-def test_an_error_beside_an_override_keeps_its_line(refused):
+def test_an_error_next_to_an_override_keeps_its_line(refused):
     message = str(refused("reference:\n  phi_deg: x\n  psi_deg: 1\n", overrides=["reference.psi_deg=2"]))
     assert "line 4, key reference.phi_deg" in message
 
@@ -126,7 +126,7 @@ def test_controller_on_a_file_without_the_section(load):
     assert controller_name(load("controller:\n  outer:\n", controller="ndi-l1")) == "ndi-l1"
 
 
-def test_unknown_controllers_are_told_the_known(refused):
+def test_unknown_controllers_are_reported_with_the_known(refused):
     message = str(refused(controller="pdi"))
     assert message.startswith("--controller pdi")
     for name in NAMES:
@@ -134,5 +134,5 @@ def test_unknown_controllers_are_told_the_known(refused):
 
 
 @pytest.mark.parametrize(("section", "key"), [("5", "controller"), ("{inner: 5}", "controller.inner")])
-def test_a_broken_controller_section_is_told_by_the_schema(refused, section, key):
+def test_a_broken_controller_section_is_reported_by_the_schema(refused, section, key):
     assert f"line 3, key {key}\n" in str(refused(f"controller: {section}", controller="ndi-l1"))

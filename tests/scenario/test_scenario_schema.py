@@ -232,7 +232,7 @@ def test_name_and_duration(refused, head, key, said):
     assert said in message
 
 
-def test_several_mistakes_are_told_at_once(refused):
+def test_several_mistakes_are_reported_at_once(refused):
     error = refused("plant: x\nfaults:\n  - {surface: flap}\n  - {surface: rudder, foo: 1}\n")
     assert [e.where.rpartition("key ")[2] for e in error.errors] == ["plant", "faults[0].surface", "faults[1].foo"]
     assert str(error).startswith("3 errors")

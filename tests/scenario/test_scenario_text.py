@@ -69,7 +69,7 @@ def test_any_scenario_comes_back_bit_for_bit(tmp_path, *, description, reference
     )
     back = again(scenario, tmp_path)
     assert back == scenario
-    assert back.model_dump_json() == scenario.model_dump_json()  # also tells -0.0 from 0.0
+    assert back.model_dump_json() == scenario.model_dump_json()  # also distinguishes -0.0 from 0.0
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What the controller is shown: the exact measurement, and the bias of a rate gyro on it."""
+"""What the controller sees: the exact measurement, and the bias of a rate gyro on it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lies between a command and a deflection: one effect a file, in the order in which they stand on an effector."""
+"""What lies between a command and a deflection: one effect a file, in the order in which they act."""
 
 from __future__ import annotations
 

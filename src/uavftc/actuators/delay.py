@@ -1,7 +1,7 @@
-"""Delay of the loop: between command and surface, any length.
+"""Delay of the loop, between command and surface, of any length.
 
 A delay of d plant steps and a part f of one, 0 <= f < 1: over a plant step the effector follows the command of d steps
-ago, and for the part f of it still the one before that; the effector gets the mean of the two over the step,
+ago, and during the first part f of the step still the one before it. It gets the mean of the two over the step,
 
     deflection = f command[d + 1] + (1 - f) command[d].
 
@@ -57,7 +57,7 @@ def blocks(config: Config, given: Given) -> list[Block]:
     """Return the line of each effector; none without a delay."""
     if config.delay_s <= 0.0:
         return []
-    # longer than the flight is as good as the flight's length, and keeps the line in memory small
+    # a delay longer than the flight acts as one of the flight's length; so the line stays small
     delay = min(config.delay_s, (given.steps + 1) * given.h) / given.plant_step
     whole = math.floor(delay + 1e-9)
     part = delay - whole if delay - whole > 1e-9 else 0.0

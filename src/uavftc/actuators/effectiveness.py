@@ -63,9 +63,9 @@ def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tupl
 
 
 def warnings(entry: Config, t: np.ndarray, window: str) -> list[tuple[str, str]]:
-    """Return (key, line) where omega is over 1; t holds the times of the window inside the flight, s."""
+    """Return (key, line) where omega is over 1; t holds the times of the window that lie in the flight, s."""
     peak = float(entry.effectiveness.sample(t).max()) if t.size else 0.0
     if peak <= 1.0:
         return []
-    line = f"over 1 the {entry.surface} does more than it is told, flown as written"
+    line = f"over 1 the {entry.surface} does more than commanded; it is flown as written"
     return [("effectiveness", f"{entry.effectiveness.text} reaches {peak:.3g} on {window}; {line}")]

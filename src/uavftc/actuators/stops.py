@@ -1,4 +1,4 @@
-"""Mechanical stops, the last on every effector: no command and no fault moves it further.
+"""Mechanical stops, the last effect on every effector: no command and no fault moves it further.
 
 u = sat(u) between the stops, counted about trim; the law is that of the saturation.
 """

@@ -1,10 +1,10 @@
-"""Aircraft definitions: a JSBSim model, and beside it what the project needs beyond the XML.
+"""Aircraft definitions: a JSBSim model, and what the project needs beyond the XML.
 
-    NAME/NAME.xml       the JSBSim model; engine/ and systems/ beside it if it has any
+    NAME/NAME.xml       the JSBSim model; engine/ and systems/ next to it if it has any
     NAME/uavftc.yaml    the companion: initial condition, surfaces, mass properties to check, what range of flight to
                         trust, the analytic model
 
-The companion is optional, and so is each of its keys: what it does not say is found out by measuring
+The companion is optional, and so is each of its keys: what it does not say is measured
 (`plants/jsbsim/model.py`), with JSBSim's standard property names. JSBSim's own aircraft are `jsbsim:NAME`.
 """
 
@@ -44,7 +44,7 @@ Property = Annotated[str, AfterValidator(_property)]
 
 
 class InitialCondition(Model):
-    """The aircraft's own condition for straight level flight."""
+    """The aircraft's default condition for straight level flight."""
 
     airspeed_mps: Positive
     altitude_m: Positive
@@ -184,7 +184,7 @@ class Aircraft(Model):
         return self.surfaces.aileron, self.surfaces.elevator, self.surfaces.rudder
 
     def command_limits(self) -> tuple[float, ...]:
-        """Return the largest command of aileron, elevator and rudder either side of neutral, in their own units."""
+        """Return the largest command of aileron, elevator and rudder either side of neutral, in command units."""
         return tuple(
             1.0 if s.stop_rad is None else s.stop_rad / abs(s.rad_per_command or 1.0) for s in self.surface_list()
         )
@@ -224,14 +224,14 @@ class Aircraft(Model):
 
 
 def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
-    """Return the definition of a shipped aircraft by name, of a folder by path, or of one of JSBSim's own.
+    """Return the definition of a shipped aircraft by name, of a folder by path, or of one that JSBSim ships.
 
     Parameters
     ----------
     aircraft
         A name under aircraft/, the path of a folder, or jsbsim:NAME.
     where
-        What the user set to this value, for the error.
+        What the user set to this value, for the message.
 
     Raises
     ------
@@ -248,7 +248,7 @@ def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
         raise InputError(
             where,
             found=f"{folder}, without {xml.name}",
-            expected=f"a folder with the JSBSim model {xml.name}: JSBSim wants folder and model to have one name",
+            expected=f"a folder with the JSBSim model {xml.name}: folder and model must have one name",
             remedy=f"{rename}, or name another aircraft",
         )
     companion = folder / COMPANION

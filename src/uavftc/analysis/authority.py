@@ -17,7 +17,7 @@ from uavftc.core.signals import AXES, SURFACES
 
 RESPONSE_MIN = 1e-3  # rad/s^2 at full deflection: below this a surface does not respond
 NONLINEAR_MAX = 0.3  # relative difference of the response between two small steps
-COUPLING_MAX = 100.0  # condition number of B with each surface scaled to its own axis
+COUPLING_MAX = 100.0  # condition number of B with each surface scaled to its axis
 RATIO_MIN = 1.0  # available over demanded
 
 
@@ -85,7 +85,7 @@ def obstacles(B: np.ndarray, limits: np.ndarray, nonlinearity: np.ndarray, ratio
         return found
     coupling = float(np.linalg.cond(B / np.diag(B)))
     if not coupling < COUPLING_MAX:
-        found.append(f"B is ill-conditioned: condition number {coupling:.0f}, surfaces scaled to their own axes")
+        found.append(f"B is ill-conditioned: condition number {coupling:.0f}, each surface scaled to its axis")
     elif ratio is not None:
         found += [
             f"too little {SURFACES[j]} for the reference: {AXES[j]} has {ratio[j]:.2f} times the deflection it needs"

@@ -160,13 +160,13 @@ def condition_33(norms: Norms, given: Given) -> Condition:
         left = norms.G * delta_5
         why = f"condition (33) fails for every L: {left:.4g} rad/s is not below {room:.4g} rad/s for L = 0"
         return Condition(False, sigma_in, None, why, why)
-    told = "condition (33) holds for every L below it, with the sigma_0, sigma_r, r_max and delta_5 stated"
+    meaning = "condition (33) holds for every L below it, with the sigma_0, sigma_r, r_max and delta_5 stated"
     if given.lipschitz is None:
-        return Condition(None, sigma_in, lipschitz_max, told, "not stated: lipschitz")
+        return Condition(None, sigma_in, lipschitz_max, meaning, "not stated: lipschitz")
     left = norms.G * (given.lipschitz * sigma_r + delta_5)
     holds = bool(left < room)
     reason = None if holds else f"condition (33) fails: {left:.4g} rad/s is not below {room:.4g} rad/s"
-    return Condition(holds, sigma_in, lipschitz_max, told, reason)
+    return Condition(holds, sigma_in, lipschitz_max, meaning, reason)
 
 
 class Theorem3(NamedTuple):

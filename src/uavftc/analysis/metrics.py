@@ -4,8 +4,8 @@
 
 e is the attitude error x1_c - x1; the integrals are trapezoidal over the rows. The steady-state error is |e| in the
 last row; the convergence time is that of the first row after the last one with |e| > 0.02 deg (the paper's band; its
-unit is the one in which its own figures fit). Control activity is the total variation of the commanded deflection
-v2, before saturation: it separates controllers that track alike but work the surfaces differently.
+unit is the one that fits its printed figures). Control activity is the total variation of the commanded deflection
+v2, before saturation: it separates controllers that track alike but move the surfaces differently.
 
 Summary, terminal, comparison and CSV list what `METRICS` holds, in its order: a new metric is one more entry.
 """
@@ -136,7 +136,7 @@ class Metric:
     digits: int = 4
     """Decimals shown."""
     at_end: bool = False
-    """Whether it tells what was reached at the end, so that a lost flight has none."""
+    """Whether it describes the end of the flight, so that a lost flight has none."""
     missing: str = "-"
     """Shown where a flight that was not lost has no value."""
     good: float | None = None
@@ -202,7 +202,7 @@ class Metrics:
     def axes(self, *, completed: bool = True) -> dict[str, dict[str, float | None]]:
         """Return the metrics of each axis, keyed as in `summary.json`.
 
-        Of a flight that was lost (`completed` false), what tells of the end (steady-state error, convergence time) is
+        Of a flight that was lost (`completed` false), what describes the end (steady-state error, convergence time) is
         None. What has no finite value is None.
         """
         flown = completed or self._rows > 1  # of a flight lost where it began there is nothing to measure

@@ -1,4 +1,4 @@
-"""The L1 reference system, eq. (45), beside a flight: how far the adaptive loop is from what it approximates.
+"""The L1 reference system, eq. (45), compared with a flight: how far the adaptive loop is from what it approximates.
 
     x_ref' = A x_ref + B_m (omega v_ref + eta_1)                x_ref(0) = x2(0)
     v_ref' = -k (omega v_ref + eta_1 + K r)                     v_ref(0) = v_ad(0)
@@ -122,7 +122,7 @@ def simulate(
     filter_bandwidth: float,
     v_start: np.ndarray,
 ) -> Reference:
-    """Return the reference system beside a flight, exact for inputs linear or constant between the samples.
+    """Return the reference system for a flight, exact for inputs linear or constant between the samples.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def _first_order_hold(
 
 
 def assumptions_not_met(records: np.ndarray, limits: np.ndarray) -> list[str]:
-    """Return what Theorem 3 and eq. (45) suppose and a flight does not have, a sentence each; empty if all is met.
+    """Return what Theorem 3 and eq. (45) assume and a flight does not meet, a sentence each; empty if all is met.
 
     Parameters
     ----------

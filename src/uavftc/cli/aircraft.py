@@ -19,8 +19,8 @@ def aircraft(
     """List the aircraft at hand, ours and JSBSim's: mass, span, engines, trim, and whether the controller flies them.
 
     The figure in brackets is the authority of the weakest axis for steps of 5 deg: deflection available over deflection
-    needed. The first list takes some minutes, for each aircraft is trimmed and linearised; the next ones none. Ctrl-C
-    (130) keeps what was measured.
+    needed. The first list takes some minutes, because each aircraft is trimmed and linearised; later ones take none.
+    Ctrl-C (130) keeps what was measured.
     """
     from uavftc.jobs.design import fleet  # noqa: PLC0415 - what --help does not need is not imported
     from uavftc.report import fleet_table  # noqa: PLC0415

@@ -17,7 +17,7 @@ def bench(
     rounds: Annotated[int, typer.Option(metavar="N", help="Rounds of each measurement.")] = 7,
     only: Annotated[
         Optional[str],  # noqa: UP045
-        typer.Option(metavar="NAME,...", help="Measure these figures alone (closed_loop_over_bare_jsbsim, ...)."),
+        typer.Option(metavar="NAME,...", help="Measure only these figures (closed_loop_over_bare_jsbsim, ...)."),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress.")] = False,
 ) -> None:
@@ -58,6 +58,6 @@ def _check(name: str, known: list[str]) -> None:
     raise InputError(
         f"--only {name}",
         found=f"'{name}'",
-        expected=f"names of figures with commas between: {', '.join(known)}",
+        expected=f"names of figures, separated by commas: {', '.join(known)}",
         remedy=f"did you mean {near[0]}?" if near else "leave the option out to measure all",
     )

@@ -18,11 +18,11 @@ def compare(
         str,
         typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3)."),
     ],
-    plants: Annotated[str, typer.Option(metavar="LIST", help="Plants, with commas.")] = "jsbsim,analytic",
+    plants: Annotated[str, typer.Option(metavar="LIST", help="Plants, separated by commas.")] = "jsbsim,analytic",
     controllers: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(
-            metavar="LIST", help="Controllers, with commas (nndondi-l1,pid,./my.py); default: the scenario's."
+            metavar="LIST", help="Controllers, separated by commas (nndondi-l1,pid,./my.py); default: the scenario's."
         ),
     ] = None,
     aircraft: Annotated[

@@ -34,10 +34,10 @@ def design(
     ] = None,
     overrides: Annotated[
         Optional[list[str]],  # noqa: UP045
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value of the scenario, as controller.rate_hz=500."),
+        typer.Option("--set", metavar="KEY=VALUE", help="Change one scenario value, such as controller.rate_hz=500."),
     ] = None,
-    airspeed_mps: Annotated[Float, typer.Option(help="Trim here; default the aircraft's own, or chosen.")] = None,
-    altitude_m: Annotated[Float, typer.Option(help="Trim here; default the aircraft's own, or 1500.")] = None,
+    airspeed_mps: Annotated[Float, typer.Option(help="Trim here; default the aircraft's, or chosen.")] = None,
+    altitude_m: Annotated[Float, typer.Option(help="Trim here; default the aircraft's, or 1500.")] = None,
     figure: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="FILE", help="Draw poles, authority and B to a .png, .svg or .pdf file."),
@@ -115,7 +115,7 @@ def _check(name: str, value: float | None) -> None:
         expected=f"a finite number, {expected}",
         remedy="leave the option out where the bound is not known: what depends on it is then null"
         if bound
-        else "leave the option out for the aircraft's own condition",
+        else "leave the option out for the aircraft's default condition",
     )
 
 
@@ -147,7 +147,7 @@ def _omega(text: str) -> tuple[float, float, float]:
         raise InputError(
             f"--omega {text}",
             found=repr(text),
-            expected="one number, or three with commas between, each above 0 and at most 1",
+            expected="one number, or three separated by commas, each above 0 and at most 1",
             remedy="write --omega 0.5, or --omega 0.5,0.7,1 for aileron, elevator and rudder",
         )
     return values[0], values[1], values[2]

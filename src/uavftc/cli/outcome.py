@@ -20,9 +20,9 @@ P = ParamSpec("P")
 
 
 def exit_codes(command: Callable[P, None]) -> Callable[P, None]:
-    """Turn wrong input and Ctrl-C, from wherever a command raises them, into message and exit code.
+    """Turn wrong input and Ctrl-C, wherever a command raises them, into a message and an exit code.
 
-    Anything else that is raised is a fault of ours: it leaves a traceback and exit code 1.
+    Anything else that is raised is a bug of ours: it leaves a traceback and exit code 1.
     """
 
     @functools.wraps(command)

@@ -29,13 +29,13 @@ def run(command: Callable[[], object]) -> NoReturn:
         if end.code is not None and not isinstance(end.code, int):
             raise
         code = end.code or 0
-    if threading.active_count() > 1:  # somebody is still at work: end as Python does
+    if threading.active_count() > 1:  # another thread is still running: end as Python does
         sys.exit(code)
-    with contextlib.suppress(Exception):  # what an exit function raises has no reader any more
+    with contextlib.suppress(Exception):  # nobody is left to read what an exit function raises
         atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
         except (OSError, ValueError):  # its reader has gone, or it is closed
-            code = code or 120  # Python's own code for this
+            code = code or 120  # Python's code for this
     os._exit(code)

@@ -1,7 +1,7 @@
 """What the keys of a section mean: the text below each field in its source.
 
-pydantic can read these texts by itself, when a section is defined; that takes 0.1 s of every flight, so here they are
-read when a page or a schema asks for them.
+pydantic can read these texts when a section is defined, but that takes 0.1 s of every flight. So they are read here,
+when a page or a schema needs them.
 """
 
 from __future__ import annotations

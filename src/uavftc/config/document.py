@@ -37,7 +37,7 @@ _TAGS = {f"tag:yaml.org,2002:{name}" for name in _PLAIN.split()}
 
 @dataclass
 class Document:
-    """Data of a scenario and the place each key was written, as an error tells it: ``file, line N``."""
+    """Data of a scenario and the place where each key was written, as a message shows it: ``file, line N``."""
 
     data: dict[str, Any]
     file: str
@@ -51,7 +51,7 @@ class Document:
         return self.places.get((), self.file)
 
     def put(self, key: Key, place: str) -> None:
-        """Note that what stands at `key` now comes from `place`; the caller has changed the data."""
+        """Note that the value at `key` now comes from `place`; the caller has changed the data."""
         for known in [k for k in self.places if k[: len(key)] == key]:
             del self.places[known]
         self.places[key] = place
@@ -141,7 +141,7 @@ class _Reader:
                 raise InputError(place, found="a list or map as a key", expected="a name", remedy="write key: value")
             name = self._text(key_node)
             if name in data:
-                found = f"the key '{name}' a second time; it stands already at {first[name]}"
+                found = f"the key '{name}' a second time; the first is at {first[name]}"
                 raise InputError(place, found=found, expected="each key once", remedy="remove one of them")
             first[name] = place
             self.places[(*key, name)] = place

@@ -1,4 +1,4 @@
-"""What an effect is, and where its keys stand in a scenario.
+"""What an effect is, and where its keys are in a scenario.
 
 An effect (of the actuators, the sensors, the air, a control law) is one module with
 
@@ -9,10 +9,10 @@ An effect (of the actuators, the sensors, the air, a control law) is one module 
     REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
     warnings      warnings(entry, t, window) -> (key, line) of what is allowed and worth knowing about it; optional
 
-and it takes part by standing in the tuple of its chain. The place is one of
+and it takes part because its module is listed in the tuple of its chain. Its place is one of
 
-    SECTION = "saturation"       `Config` is a section of its own, which may be null
-    KEYS_IN = "sensors"          the keys of `Config` stand in this section, next to those of other effects
+    SECTION = "saturation"       `Config` is a section, which may be null
+    KEYS_IN = "sensors"          the keys of `Config` are in this section, next to those of other effects
     ENTRY_OF = "faults"          `Config` is one kind of entry in this list
 """
 

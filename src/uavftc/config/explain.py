@@ -1,4 +1,4 @@
-"""Schema errors told the way a user needs them: file and line, key, what was found, what was expected, the remedy."""
+"""Schema errors as messages for the user: file and line, key, what was found, what was expected, how to fix it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uavftc.config.expression import KNOWN
 from uavftc.config.values import Problem, key_text
 from uavftc.errors import InputError
 
-MAX_TOLD = 20  # errors told at once
+MAX_SHOWN = 20  # errors reported at once
 _UNITS = {
     "degps2": "deg/s^2",
     "degps": "deg/s",
@@ -35,19 +35,19 @@ _LIMITS = {
 
 def explain(error: ValidationError, document: Document, root: type[BaseModel]) -> list[InputError]:
     """Return the errors of a file in the order of its schema `root`, each with the place of its key in `document`."""
-    told: list[InputError] = []
+    errors: list[InputError] = []
     items = error.errors(include_url=False)
-    for item in items[:MAX_TOLD]:
+    for item in items[:MAX_SHOWN]:
         key, model = _locate(item["loc"], root)
         problems = item.get("ctx", {}).get("problems")
         for problem in problems or [_problem(item, key, model, root)]:
             full = (*key, *problem.key) if problems else problem.key
             where = f"{document.place(full)}, key {key_text(full)}" if full else document.place(full)
-            told.append(InputError(where, found=problem.found, expected=problem.expected, remedy=problem.remedy))
-    if len(items) > MAX_TOLD:
-        more = f"{len(items) - MAX_TOLD} more errors"
-        told.append(InputError(document.file, found=more, expected="none", remedy="fix those above first"))
-    return told
+            errors.append(InputError(where, found=problem.found, expected=problem.expected, remedy=problem.remedy))
+    if len(items) > MAX_SHOWN:
+        more = f"{len(items) - MAX_SHOWN} more errors"
+        errors.append(InputError(document.file, found=more, expected="none", remedy="fix those above first"))
+    return errors
 
 
 def _locate(loc: tuple[str | int, ...], root: type[BaseModel]) -> tuple[Key, type[BaseModel]]:
@@ -70,7 +70,7 @@ def _locate(loc: tuple[str | int, ...], root: type[BaseModel]) -> tuple[Key, typ
 
 
 def _sections(annotation: Any) -> dict[str, type[BaseModel]]:
-    """Return the sections an annotation admits, by the name under which a union's errors tell them."""
+    """Return the sections an annotation admits, by the name that the errors of a union use."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         kind = annotation.model_fields.get("kind")
         return {kind.default if kind and isinstance(kind.default, str) else annotation.__name__: annotation}
@@ -106,16 +106,16 @@ def _problem(item: Any, key: Key, model: type[BaseModel], root: type[BaseModel])
         case "tuple_type" | "list_type":
             return Problem(key, found, "a list", "write each entry after a dash, or [a, b]")
         case "too_long" | "too_short":
-            wanted = ctx.get("max_length", ctx.get("min_length"))
-            return Problem(key, f"{ctx['actual_length']} entries", f"{wanted} entries", "give as many as expected")
+            expected = ctx.get("max_length", ctx.get("min_length"))
+            return Problem(key, f"{ctx['actual_length']} entries", f"{expected} entries", "give as many as expected")
         case "string_type":
             return Problem(key, found, "a text", "put it in quotes")
         case "string_pattern_mismatch":
-            wanted = "letters, digits, dot, dash and underscore, beginning with a letter or digit"
-            return Problem(key, found, wanted, "the name becomes the name of a folder: choose a plain one")
+            expected = "letters, digits, dot, dash and underscore, beginning with a letter or digit"
+            return Problem(key, found, expected, "the name becomes the name of a folder: choose a plain one")
         case "string_too_long" | "string_too_short":
-            wanted = f"at most {ctx['max_length']}" if "max_length" in ctx else f"at least {ctx['min_length']}"
-            return Problem(key, f"{len(value)} characters", f"{wanted} characters", "choose another text")
+            expected = f"at most {ctx['max_length']}" if "max_length" in ctx else f"at least {ctx['min_length']}"
+            return Problem(key, f"{len(value)} characters", f"{expected} characters", "choose another text")
         case "window":
             return Problem(key, f"{value} s", item["msg"], "move end_s, or leave it out for the rest of the flight")
     return Problem(key, found, item["msg"], "change the value")
@@ -145,7 +145,7 @@ def _unknown(key: Key, model: type[BaseModel], root: type[BaseModel]) -> Problem
 
 
 def _siblings(model: type[BaseModel], root: type[BaseModel]) -> dict[str, type[BaseModel]]:
-    """Return the sections below `root` that can stand in the place of `model`, by their kind."""
+    """Return the sections below `root` that can take the place of `model`, by their kind."""
     for field in root.model_fields.values():
         sections = _sections(field.annotation)
         if model in sections.values() and "kind" in model.model_fields:
@@ -160,7 +160,7 @@ def _choice(item: Any, key: Key, value: Any, model: type[BaseModel]) -> Problem:
     ctx = item.get("ctx", {})
     if item["type"] == "literal_error":
         expected = ctx["expected"]
-    else:  # the tag of a union: its key is at fault, not the section
+    else:  # the tag of a union: its key is wrong, not the section
         field = next(part for part in reversed(key) if isinstance(part, str))
         sections = _sections(model.model_fields[field].annotation)
         expected = ", ".join(kind for kind, section in sections.items() if not getattr(section, "refused", False))
@@ -181,7 +181,7 @@ def _signal(key: Key, value: Any, problem: str, unit: str) -> Problem:
 
 
 def describe(value: object) -> str:
-    """Return a short account of a value as a user wrote it."""
+    """Return a value in short, as the user wrote it."""
     if value is None:
         return "null"
     if isinstance(value, bool):

@@ -58,7 +58,7 @@ class Expression:
     Raises
     ------
     ValueError
-        If the text is no expression of the kind described above. The message names the offending part.
+        If the text is not an expression as described above. The message names the offending part.
     """
 
     __slots__ = ("_node", "text")
@@ -110,7 +110,7 @@ def _check_tokens(line: str) -> None:
             if not np.isfinite(float(number.group())):
                 raise _fail(f"the number {number.group()[:20]} is too large", line, number.start(), len(number.group()))
             if position < len(line) and (line[position] in "._" or line[position].isalnum()):
-                raise _fail(f"'{line[number.start() : position + 1][-20:]}' is no number", line, position)
+                raise _fail(f"'{line[number.start() : position + 1][-20:]}' is not a number", line, position)
         elif name := _NAME.match(line, position):
             if name.group() not in FUNCTIONS and name.group() not in ("t", "pi"):
                 raise _fail(f"unknown name '{name.group()[:40]}'", line, position, len(name.group()))
@@ -124,7 +124,7 @@ def _parse(line: str) -> ast.expr:
         return ast.parse(line, mode="eval").body
     except SyntaxError as error:
         position = min(max(0, (error.offset or 1) - 1), len(line))
-        raise _fail(f"this is no expression ({error.msg})", line, position) from None
+        raise _fail(f"this is not an expression ({error.msg})", line, position) from None
     except (ValueError, MemoryError, RecursionError):
         raise ValueError("the expression is nested too deeply") from None
 
@@ -156,8 +156,8 @@ def _build(node: ast.expr, line: str, depth: int) -> _Node:
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
             variadic = name in ("min", "max")
             if (len(args) < 2) if variadic else (len(args) != 1):
-                wanted = "two or more arguments" if variadic else "exactly one argument"
-                raise _fail(f"{name} takes {wanted}, not {len(args)}", line, start, length)
+                expected = "two or more arguments" if variadic else "exactly one argument"
+                raise _fail(f"{name} takes {expected}, not {len(args)}", line, start, length)
             return _call(FUNCTIONS[name], [_build(a, line, depth + 1) for a in args])
         case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
             raise _fail(f"'{name}' is not a function", line, start, len(name))

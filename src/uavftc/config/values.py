@@ -33,11 +33,11 @@ class Model(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
 
     remedies: ClassVar[dict[str, str]] = {}
-    """What to do about a key that somebody may write here and that does not belong, by its name."""
+    """What to do about a key that a user may write here and that does not belong here, by its name."""
 
 
 class Problem(NamedTuple):
-    """One fault of a scenario that concerns several keys: where it is told, and the three things a user needs."""
+    """One error in a scenario that concerns several keys: where it is reported, and the three things a user needs."""
 
     key: tuple[str | int, ...]
     found: str
@@ -47,8 +47,8 @@ class Problem(NamedTuple):
 
 def refusal(problems: list[Problem]) -> PydanticCustomError:
     """Return the validation error that carries `problems`, with keys relative to the section that raises it."""
-    told = "; ".join(f"{key_text(p.key)}: found {p.found}, expected {p.expected}" for p in problems)
-    return PydanticCustomError("problems", "{told}", {"told": told, "problems": problems})
+    text = "; ".join(f"{key_text(p.key)}: found {p.found}, expected {p.expected}" for p in problems)
+    return PydanticCustomError("problems", "{text}", {"text": text, "problems": problems})
 
 
 def key_text(key: tuple[str | int, ...]) -> str:
@@ -61,7 +61,7 @@ def key_text(key: tuple[str | int, ...]) -> str:
 
 
 def is_number(value: object) -> bool:
-    """Tell whether `value` is a number as a scenario means it; True and False are not."""
+    """Return whether `value` is a number in a scenario; True and False are not."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -76,16 +76,18 @@ def _three(value: Any) -> Any:
     if is_number(value):
         return (value,) * 3
     if not isinstance(value, list | tuple) or len(value) != 3:
-        raise PydanticCustomError("shape", "{wanted}", {"wanted": "a number, or a list of three: [roll, pitch, yaw]"})
+        raise PydanticCustomError(
+            "shape", "{expected}", {"expected": "a number, or a list of three: [roll, pitch, yaw]"}
+        )
     return tuple(value)
 
 
-def list_of(n: int, wanted: str) -> BeforeValidator:
-    """Return the validator that admits only a list of `n`; an error tells what was `wanted`."""
+def list_of(n: int, expected: str) -> BeforeValidator:
+    """Return the validator that admits only a list of `n`; the message says what is `expected`."""
 
     def check(value: Any) -> Any:
         if not isinstance(value, list | tuple) or len(value) != n:
-            raise PydanticCustomError("shape", "{wanted}", {"wanted": wanted})
+            raise PydanticCustomError("shape", "{expected}", {"expected": expected})
         return tuple(value)
 
     return BeforeValidator(check)
@@ -94,8 +96,8 @@ def list_of(n: int, wanted: str) -> BeforeValidator:
 def _matrix(value: Any) -> Any:
     rows = value if isinstance(value, list | tuple) else ()
     if len(rows) != 3 or any(not isinstance(row, list | tuple) or len(row) != 3 for row in rows):
-        wanted = "a 3x3 matrix: a list of three rows of three numbers"
-        raise PydanticCustomError("shape", "{wanted}", {"wanted": wanted})
+        expected = "a 3x3 matrix: a list of three rows of three numbers"
+        raise PydanticCustomError("shape", "{expected}", {"expected": expected})
     return tuple(tuple(row) for row in rows)
 
 
@@ -146,7 +148,7 @@ class Signal:
         Raises
         ------
         ValueError
-            For anything else, a number that is not finite, or a text that is no expression.
+            For anything else, a number that is not finite, or a text that is not an expression.
         """
         if isinstance(value, Signal):
             return value

@@ -4,7 +4,7 @@
     u2_i      = sum_j M^+[i, j] deflection_j   after them: what each axis gets
 
 M is the mixing matrix of the aircraft and M^+ its pseudo-inverse. An effector that serves one axis, as those of a gang
-do, takes the sum's one term; where each axis has one surface of its own, both are exact.
+do, takes the sum's one term; where each axis has one surface, both are exact.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ class Rbf(Model):
         tuple[Number, Number, Number, Number, Number],
         list_of(5, "a list of five numbers, one centre for each hidden node"),
     ] = (-0.2, -0.1, 0.0, 0.1, 0.2)
-    """node i stands at centres[i] in every input"""
+    """node i is at centres[i] in every input"""
     width: Positive = 0.4
     """k of the Gaussian, > 0"""
 

@@ -1,7 +1,7 @@
 """The user's cache: one home for compiled laws, trimmed models, copies of aircraft and the aircraft list.
 
-It is UAVFTC_CACHE_DIR where that is set, else the system's place for the user's caches. What lies there is run or
-believed, so a folder of it serves only where it belongs to this user and nobody else can write to it.
+It is UAVFTC_CACHE_DIR where that is set, else the system's place for the user's caches. What is there is run or
+trusted, so a folder is used only if it belongs to this user and nobody else can write to it.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def cache_folder(*names: str, home: Path | None = None) -> Path:
     names
         Folder in folder, below the home.
     home
-        `cache_home()` where it is None. Where no safe folder can be had in it, a private temporary one serves: one
-        for this user, or one for this process where that is not to be had either.
+        `cache_home()` where it is None. Where it has no safe folder, a private temporary one is used: one
+        for this user, or one for this process if that is not possible either.
     """
     user = os.getuid() if hasattr(os, "getuid") else "user"
     for base in (home or cache_home(), Path(tempfile.gettempdir()) / f"uavftc-{user}"):

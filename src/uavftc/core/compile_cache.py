@@ -1,7 +1,7 @@
 """The cache of compiled laws: where numba keeps machine code, so that only the first flight compiles.
 
-numba notices a change in the file of an entry only, not in what the entry calls. So the code lies in a folder that is
-named after all compiled sources; that of a law from outside this project in one below it, named after its own.
+numba notices a change in the file of an entry only, not in what the entry calls. So the code is in a folder that is
+named after all compiled sources. Below it, a law from outside this project has a folder named after its sources.
 """
 
 from __future__ import annotations

@@ -11,10 +11,10 @@ PRESCRIBED = frozenset(["t", "x1_c", "effectiveness", "bias", "d1", "d2", "wind_
 """Fields that the scenario gives, filled in before a row is flown."""
 
 DEFAULT = frozenset(["d1_hat"])
-"""Fields that mean nothing happens where nobody writes them: they are zero."""
+"""Fields that are zero where no law writes them; zero means that nothing happens."""
 
 CUSTOM = frozenset(["v2"])
-"""What a law that does not say what it writes, and a step in plain Python, is taken to write."""
+"""What a step in plain Python, and a law that does not say what it writes, is assumed to write."""
 
 
 def check_flow(blocks: Sequence[Block | PythonBlock]) -> None:

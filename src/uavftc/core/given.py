@@ -8,7 +8,7 @@ import numpy as np
 
 
 class ControlDesign(NamedTuple):
-    """What a controller may be designed from: x2' = A x2 + B v2 about the trim, and where v2 is cut off."""
+    """What a controller may be designed from: x2' = A x2 + B v2 about the trim, and the limits of v2."""
 
     A: np.ndarray
     """Rotational state matrix, shape (3, 3), 1/s, of x2 = [p, q, r]."""

@@ -224,7 +224,7 @@ def _records(array: np.ndarray) -> np.ndarray:
 def _call(_context, function, a, b, c, d):
     """Call the compiled law at an address with four addresses, of which a law on a row takes three; return its status.
 
-    numba passes two words of its own before them: where a result and where an exception would be put.
+    numba passes two words before them: where a result and where an exception would be put.
     """
     signature = types.int32(*[types.int64] * 5)
 

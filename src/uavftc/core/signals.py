@@ -38,7 +38,7 @@ ROW = np.dtype(
         ("throttle", "f8"),  # 0..1
         ("contact", "f8"),  # force of the ground on the vehicle, body z, N
         ("height", "f8"),  # m above the ground
-        # the vehicle as the controller is shown it
+        # the vehicle as the controller sees it
         ("x1_meas", "f8", _VEC),  # rad
         ("x2_meas", "f8", _VEC),  # rad/s
         # the controller

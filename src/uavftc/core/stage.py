@@ -32,7 +32,7 @@ NOTHING = np.dtype([("nothing", "f8")])
 """Parameters or state of a law that has none."""
 
 RAW = np.dtype("f8")
-"""State of a law that lays out its own memory: the law takes it by `floats`."""
+"""State of a law that lays out its memory itself: the law takes it by `floats`."""
 
 COMPILED = not numba.config.DISABLE_JIT
 """Whether laws are compiled; NUMBA_DISABLE_JIT=1 runs them in plain Python."""
@@ -95,7 +95,7 @@ class Stage:
     def block(self, params: np.ndarray | None = None, state: np.ndarray | None = None, *, name: str = "") -> Block:
         """Return this stage with its memory, named `name` or as the law's module; zeros where none is given.
 
-        On effectors, `params` and `state` hold one entry an effector, along the first axis.
+        On effectors, `params` and `state` hold one entry for each effector, along the first axis.
         """
         given = params if params is not None else state
         n = 1 if given is None else len(given)

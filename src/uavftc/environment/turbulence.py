@@ -1,4 +1,4 @@
-"""Turbulence: a kind that is known by name and refused, with what to use in its place."""
+"""Turbulence: a kind that is known by name but not available; the message says what to use instead."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FIELD, REFUSED_ON = air.FIELD, air.REFUSED_ON
 
 
 class Config(Model):
-    """A kind that is known by name and refused."""
+    """A kind that is known by name but not available."""
 
     kind: Literal["turbulence"] = "turbulence"
 

@@ -163,12 +163,12 @@ def rotational_model(aircraft: Aircraft, model: TrimmedModel | None) -> tuple[np
         inertia = np.array(aircraft.mass_properties.inertia_kgm2)
         return inertia, np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)
     inertia = np.array(model.inertia_kgm2)
-    inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0  # eq. (2) knows no other product of inertia than J_xz
+    inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0  # eq. (2) has no product of inertia other than J_xz
     return inertia, model.A_rates, model.B_rates
 
 
 def control_design(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant) -> ControlDesign:
-    """Return what a controller may be designed from: the pair measured at the trim, or the aircraft's own."""
+    """Return what a controller may be designed from: the pair measured at the trim, or the aircraft's."""
     if model is not None:
         A, B = model.A_rates, model.B_rates
     else:

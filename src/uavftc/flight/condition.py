@@ -15,7 +15,7 @@ from uavftc.plants.jsbsim.model import ALTITUDE_M, TrimmedModel, trimmed_model, 
 from uavftc.scenario.controllers import CustomController
 from uavftc.scenario.schema import Scenario
 
-AMPLE = 3.0  # authority, available over demanded, with which an airspeed is chosen without looking further
+AMPLE = 3.0  # authority, available over demanded, that is enough to choose an airspeed without looking further
 
 
 def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
@@ -40,19 +40,19 @@ def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
 
 
 def condition_of(scenario: Scenario, aircraft: Aircraft) -> tuple[float | None, float]:
-    """Return airspeed, m/s, and altitude, m, of the scenario or else the aircraft's own; None is to be chosen."""
-    own = aircraft.initial
-    altitude = scenario.initial.altitude_m or (own.altitude_m if own else ALTITUDE_M)
-    return scenario.initial.airspeed_mps or (own.airspeed_mps if own else None), altitude
+    """Return airspeed, m/s, and altitude, m, of the scenario, or else the aircraft's; None is to be chosen."""
+    default = aircraft.initial
+    altitude = scenario.initial.altitude_m or (default.altitude_m if default else ALTITUDE_M)
+    return scenario.initial.airspeed_mps or (default.airspeed_mps if default else None), altitude
 
 
 def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
     """Return the authority of a trimmed model for the largest step of the scenario's reference."""
     controller = scenario.controller
-    # a custom controller states neither; the paper's stand for a step of ordinary haste
+    # a custom controller states neither; the paper's values stand for an ordinary step
     A_m, bandwidth = A_M, (0.5, 0.5, 0.5)
     if not isinstance(controller, CustomController):
-        A_m = getattr(controller.inner, "A_m", A_m)  # as do laws that have none of them
+        A_m = getattr(controller.inner, "A_m", A_m)  # and so do laws that have neither
         bandwidth = getattr(controller.outer, "bandwidth", bandwidth)
     return authority(
         np.array(model.A),

@@ -14,9 +14,9 @@ NOMINAL_AIRSPEED_MPS = 30.0  # for a rotational model without one; nothing depen
 
 def resolved(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None) -> Scenario:
     """Return the scenario with everything filled in that it leaves to the aircraft."""
-    own = aircraft.initial
-    airspeed = scenario.initial.airspeed_mps or (model.trim["airspeed"] if model else own and own.airspeed_mps)
-    altitude = scenario.initial.altitude_m or (model.trim["altitude"] if model else own and own.altitude_m)
+    default = aircraft.initial
+    airspeed = scenario.initial.airspeed_mps or (model.trim["airspeed"] if model else default and default.airspeed_mps)
+    altitude = scenario.initial.altitude_m or (model.trim["altitude"] if model else default and default.altitude_m)
     airspeed, altitude = airspeed or NOMINAL_AIRSPEED_MPS, altitude or ALTITUDE_M
     limits = scenario.envelope
     slow, fast = limits.min_airspeed_mps, limits.max_airspeed_mps

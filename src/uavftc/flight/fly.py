@@ -53,7 +53,7 @@ def fly(
     progress
         Called with the number of rows flown so far.
     stop
-        Asked every `SLICE_ROWS` rows whether to end the flight here, as the user wants it; the rows flown until then
+        Called every `SLICE_ROWS` rows; if it returns true, the flight ends there, and the rows flown so far
         are recorded. Ctrl-C by itself is left to Python: KeyboardInterrupt, and the recorders are not complete.
 
     Raises
@@ -63,7 +63,7 @@ def fly(
     """
     if _flown.get(id(flight)) is flight:
         raise RuntimeError(
-            "this flight was flown already, and its vehicle is where it ended; build it anew: build_flight"
+            "this flight was flown already, and its vehicle is where it ended; build it again with build_flight"
         )
     _flown[id(flight)] = flight
     total = flight.steps + 1
@@ -88,7 +88,7 @@ def fly(
                 progress(done + flown)
             stopped = stop is not None and stop()
         wall_s += time.perf_counter() - started
-        # the row outside the envelope is still a true one, unless it is no number or has no command
+        # the row outside the envelope is still valid, unless it is not a number or has no command
         keep = flown + (lost is not None and lost["status"] > envelope.NOT_A_NUMBER)
         for recorder in recorders:
             recorder.take(records[:keep])

@@ -1,7 +1,7 @@
 """What takes the rows of a flight: the interface, the columns that are published, and a recorder in memory.
 
-A flight hands out its rows as successive chunks, each row once and in order, and each chunk in memory of its own: a
-recorder may keep it.
+A flight hands out its rows as successive chunks, each row once and in order. Chunks share no memory, so a
+recorder may keep them.
 """
 
 from __future__ import annotations

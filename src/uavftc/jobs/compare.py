@@ -66,8 +66,8 @@ def load_combinations(
             if (plant, name) in loaded:
                 raise InputError(
                     f"--controllers {controllers}",
-                    found=f"two controllers that are called {name}",
-                    expected="controllers of different names: results are told apart by them",
+                    found=f"two controllers with the name {name}",
+                    expected="controllers with different names, because results are named after them",
                     remedy="rename one of the modules",
                 )
             loaded[plant, name] = scenario
@@ -173,7 +173,7 @@ def _controllers(text: str) -> list[str | None]:
 
 
 def _names(option: str, text: str, known: Sequence[str], others: Sequence[str] = ()) -> list[str]:
-    """Return the names in a list with commas, each there once, and each known or among the others."""
+    """Return the names in a list with commas; each may appear once, and must be known or among the others."""
     names = [name.strip() for name in text.split(",")]
     expected = f"a list of {', '.join(known)}, with commas, each at most once"
     for i, name in enumerate(names):
@@ -191,6 +191,6 @@ def _refuse_overridden(where: str, found: str, expected: str, option: str) -> No
         raise InputError(
             where,
             found=f"{found} in place of {expected}",
-            expected=f"what is compared to be set by {option} alone",
+            expected=f"what is compared, set by {option} only",
             remedy=f"leave it out, or name it in {option}",
         )

@@ -90,7 +90,7 @@ def draw(folder: Path, history: Path, result: FlightResult) -> None:
 
 @contextmanager
 def _ctrl_c() -> Iterator[Callable[[], bool]]:
-    """Yield a function that tells whether there was a Ctrl-C, which until then does nothing but that.
+    """Yield a function that says whether Ctrl-C was pressed; the first one does nothing else.
 
     A second Ctrl-C acts at once. Off the main thread Python delivers no signals, and the answer stays no.
     """

@@ -94,7 +94,7 @@ stage = Stage(step, PARAMS, STATE, reads=["u2", "d1", "d2"], writes=[])
 
 
 class AnalyticPlant:
-    """The model as a plant; it starts at the attitude of the trim and at zero rates, which is a trim of its own.
+    """The model as a plant; it starts at the attitude of the trim and at zero rates, which is a trim of this model.
 
     Parameters
     ----------

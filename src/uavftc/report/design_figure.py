@@ -1,6 +1,6 @@
 """The figure of a design: where the poles are, what each axis has and needs, and which surface moves what.
 
-Importing this module imports matplotlib (0.7 s), so import it where the figure is wanted.
+Importing this module imports matplotlib (0.7 s), so import it where the figure is drawn.
 """
 
 from __future__ import annotations

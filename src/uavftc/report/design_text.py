@@ -1,4 +1,4 @@
-"""The design document for reading, in 80 to 100 columns. Plain ASCII of our own, so that it prints anywhere."""
+"""The design document for reading, in 80 to 100 columns. Plain ASCII, so that it prints anywhere."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Line = Callable[..., None]
 
 METHODS = {
     "jsbsim": "JSBSim's own trim",
-    "own": "the project's own trim",
+    "own": "the project's trim",
     "glide": "a glide, no engines",
 }
 
@@ -115,8 +115,8 @@ def _print_loop(console: Console, line: Line, document: dict[str, Any]) -> None:
         table.add_row(Text(label), *(Text(_cell(document[key + suffix])) for suffix in ("", "_A_m")))
     console.print(table)
     for key in ("condition_reason", "lipschitz_max_is", "reason"):
-        told = {document[key + suffix] for suffix in ("", "_A_m")} - {None}
-        for text in sorted(told):
+        texts = {document[key + suffix] for suffix in ("", "_A_m")} - {None}
+        for text in sorted(texts):
             line(f"{key.replace('_', ' ')}: {text}")
     if document["theorem_2"]["reason"]:
         line(f"no bound of Theorem 2: {document['theorem_2']['reason']}")

@@ -19,7 +19,7 @@ def attitude_difference(a: History, b: History, angle: str) -> np.ndarray:
     """Return a - b of one attitude angle (phi, theta, psi), deg in (-180, 180], shape (n,).
 
     Each angle is counted from its own reference, which is the trim attitude plus the commanded change, so two plants
-    that trim at different attitudes are not apart for that. n is the number of rows that both have; what has diverged
+    that trim at different attitudes do not differ for that. n is the number of rows that both have; what has diverged
     is NaN.
     """
     n = rows_in_common(a, b)

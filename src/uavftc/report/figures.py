@@ -33,7 +33,7 @@ def write_figures(folder: Path, history: History, context: FigureContext) -> lis
     Parameters
     ----------
     folder
-        Where to; made if it is missing (its parent must be there).
+        Where to write; made if it is missing (its parent must exist).
     history
         Published columns (`signals.COLUMNS`), name to shape (n,), SI and rad, NaN where there is none; a column that
         is absent is drawn as empty.

@@ -32,7 +32,7 @@ def write_overlays(folder: Path, histories: Mapping[Key, History], context: Figu
     Parameters
     ----------
     folder
-        Where to; made if it is missing (its parent must be there).
+        Where to write; made if it is missing (its parent must exist).
     histories
         (plant, controller) to published columns (`signals.COLUMNS`), sampled at the same times; one may end early.
     context
@@ -53,9 +53,9 @@ def write_overlays(folder: Path, histories: Mapping[Key, History], context: Figu
 
 
 def looks(keys: Sequence[Key]) -> dict[Key, dict[str, Any]]:
-    """Return how each flight is drawn: the colour tells what there is more than one of, the dashes tell plants apart.
+    """Return how each flight is drawn: the colour shows what there is more than one of, the dashes show the plant.
 
-    With one controller (or one plant) only, colour and dashes both tell the plants (the controllers) apart.
+    With only one controller (or one plant), colour and dashes both show the plant (the controller).
     """
     plants, controllers = (list(dict.fromkeys(key[i] for key in keys)) for i in (0, 1))
     by = 0 if len(controllers) == 1 else 1

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-# Okabe and Ito, "Color universal design" (2008): told apart with every common colour vision deficiency.
+# Okabe and Ito, "Color universal design" (2008): distinct with every common colour vision deficiency.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 
@@ -46,7 +46,7 @@ _STYLE: Any = {
 
 @contextmanager
 def style(changes: Mapping[str, Any] | None = None) -> Iterator[None]:
-    """Draw in this project's style, whatever the user's own matplotlib settings are, and leave those as they were.
+    """Draw in this project's style, whatever the user's matplotlib settings are, and leave those unchanged.
 
     `changes` are settings of matplotlib that differ from the style for these figures.
     """

@@ -36,7 +36,7 @@ def print_result(console: Console, summary: dict[str, Any], folder: Path | None)
     Parameters
     ----------
     console
-        Where to; it decides whether there is colour (NO_COLOR, a pipe).
+        Where to print; it decides whether there is colour (NO_COLOR, a pipe).
     summary
         The document of `summary.json`.
     folder

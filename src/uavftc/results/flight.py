@@ -1,4 +1,4 @@
-"""What is kept of a flight, and what is written and drawn of it: the same for one flight and for one among many."""
+"""What is kept of a flight, and what is written and drawn of it: the same for a single flight and for one of many."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The result folder of a flight or of another job: written whole or not at all, and nothing of the user's is ever lost.
+"""The result folder of a flight or of another job: written whole or not at all; no file of the user is ever lost.
 
 The results are written into a hidden sibling, `.<name>.partial-<pid>`, which takes the folder's place by renaming only
 once it is complete. An older folder is replaced only if it is ours: a `summary.json` of ours, and no other files than
@@ -185,7 +185,7 @@ class ResultFolder:
             )
 
     def _clean_up_after_the_dead(self) -> None:
-        """Remove what killed jobs into this folder left, and put back an old folder caught between two renames."""
+        """Remove what killed jobs left of this folder, and put back an old folder caught between two renames."""
         pattern = re.compile(re.escape(f".{self.target.name}.") + r"(partial|old)-(\d+)")
         for sibling in sorted(self.target.parent.iterdir()):
             match = pattern.fullmatch(sibling.name)

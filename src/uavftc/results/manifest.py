@@ -68,7 +68,7 @@ def read_summary(folder: Path) -> dict[str, Any] | None:
 
 
 def names_of(document: Mapping[str, Any] | None) -> frozenset[str]:
-    """Return the path of every file that may stand in the folder of this `summary.json`, itself included.
+    """Return the path of every file that may be in the folder of this `summary.json`, itself included.
 
     Parameters
     ----------
@@ -85,9 +85,9 @@ def names_of(document: Mapping[str, Any] | None) -> frozenset[str]:
 
 
 def foreign(folder: Path, names: frozenset[str]) -> str | None:
-    """Return the path inside `folder` of something that is none of these files and no folder of one, or None.
+    """Return the path inside `folder` of something that is not one of these files or a folder of one, or None.
 
-    A link, a pipe and the like never are; nothing is followed out of the folder.
+    A link, a pipe and the like never count as ours; nothing is followed out of the folder.
     """
     folders = {str(parent) for name in names for parent in PurePosixPath(name).parents}
     for path in _walk(folder):
@@ -121,7 +121,7 @@ def remove_ours(folder: Path) -> None:
             elif _is_unchanged(inside, listed[path]) if path in listed else path in names or unfinished(path):
                 inside.unlink()
     with suppress(OSError):
-        (folder / SUMMARY).unlink(missing_ok=True)  # last: without it, the others would be strangers to the next job
+        (folder / SUMMARY).unlink(missing_ok=True)  # last: without it, the next job would not recognise the others
         folder.rmdir()
 
 

@@ -1,6 +1,6 @@
 """`summary.json`: what came of a flight, in the shape other tools build on.
 
-A number that does not apply is null, never NaN. Wall-clock figures stand under `timing`, the only part that may differ
+A number that does not apply is null, never NaN. Wall-clock figures are under `timing`, the only part that may differ
 between two runs of the same flight.
 """
 
@@ -77,7 +77,7 @@ def summary(
 def provenance(
     *, seed: int | None, scenario_sha256: str, aircraft_sha256: str | None, **extra: object
 ) -> dict[str, Any]:
-    """Return what the flight was made from: versions, seed and checksums, and whatever else is given.
+    """Return what the flight was made from: versions, seed, checksums, and everything else that is given.
 
     A package that is not installed has the version None. None of them is imported for it.
     """

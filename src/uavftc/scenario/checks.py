@@ -65,13 +65,13 @@ def _sampling(scenario: Scenario) -> list[Problem]:
     samples = scenario.duration_s * rate
     found = f"{scenario.duration_s!r} s, {samples:.10g} samples at controller.rate_hz = {rate:g}"
     if samples > MAX_SAMPLES:
-        wanted = f"at most {MAX_SAMPLES} samples: {MAX_SAMPLES / rate:g} s at this rate"
-        return [Problem(("duration_s",), found, wanted, "shorten the flight or lower controller.rate_hz")]
+        expected = f"at most {MAX_SAMPLES} samples: {MAX_SAMPLES / rate:g} s at this rate"
+        return [Problem(("duration_s",), found, expected, "shorten the flight or lower controller.rate_hz")]
     whole = max(1, round(samples))
     if abs(samples - whole) > WHOLE * whole:
-        wanted = f"a whole number of samples, at least 1; the nearest is {whole / rate!r} s ({whole} samples)"
+        expected = f"a whole number of samples, at least 1; the nearest is {whole / rate!r} s ({whole} samples)"
         remedy = f"set duration_s to {whole / rate!r} or change controller.rate_hz"
-        return [Problem(("duration_s",), found, wanted, remedy)]
+        return [Problem(("duration_s",), found, expected, remedy)]
     return []
 
 

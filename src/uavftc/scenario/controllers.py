@@ -97,13 +97,13 @@ class _Module(Model):
     options: Annotated[dict[str, Any], BeforeValidator(lambda value: {} if value is None else value)] = Field(
         default_factory=dict
     )
-    """handed to the module: finite numbers, texts, `true`, `false`, `null`, lists and maps, at will"""
+    """handed to the module: finite numbers, texts, `true`, `false`, `null`, lists and maps"""
     rate_hz: Annotated[Positive, Field(le=10_000)] = 200.0
     """rate at which it runs, up to 10000"""
 
 
 class CustomController(*_LOOP_KEYS, _Module):  # type: ignore[misc]
-    """A custom controller in the place of both loops: a module (docs/custom-controller.md) and its options."""
+    """A custom controller in place of both loops: a module (docs/custom-controller.md) and its options."""
 
     remedies: ClassVar[dict[str, str]] = dict.fromkeys(
         LOOPS, "remove it: a controller with a kind takes the place of both loops (as --controller does)"

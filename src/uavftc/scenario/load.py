@@ -41,7 +41,7 @@ def load_scenario(
     overrides
         ``dotted.key=value`` each, value in YAML; applied in order, after the other options.
     plant, aircraft
-        Take the place of the file's. A relative path to an aircraft starts at the working directory here, and at the
+        Replace those of the file. A relative path to an aircraft starts at the working directory here, and at the
         folder of the file when the file has it.
     controller
         ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know. Any
@@ -79,7 +79,7 @@ def controller_name(scenario: Scenario) -> str:
 
 
 def find_scenario(source: str | Path) -> Path:
-    """Return the file of a scenario given as a path or by the name of a shipped one; a file in the way goes first.
+    """Return the file of a scenario given as a path or by the name of a shipped one; an existing file goes first.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def find_scenario(source: str | Path) -> Path:
 
 
 def read_document(path: Path, what: str = "scenario") -> Document:
-    """Return the data of a YAML file, in words a `what`, with the line of each key, unchecked.
+    """Return the data of a YAML file, called a `what` in messages, with the line of each key, unchecked.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def read_document(path: Path, what: str = "scenario") -> Document:
 
 
 def _resolve_aircraft(document: Document, folder: Path) -> None:
-    """Make a path to an aircraft absolute; a name, and one of JSBSim's own (``jsbsim:c172p``), stays as it is."""
+    """Make a path to an aircraft absolute; a name, and one that JSBSim ships (``jsbsim:c172p``), stays as it is."""
     text = document.data.get("aircraft")
     if not isinstance(text, str) or not text or text.startswith("jsbsim:") or text in resources.aircraft_names():
         return

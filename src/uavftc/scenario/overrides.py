@@ -22,13 +22,13 @@ _PART = re.compile(r"([A-Za-z_][A-Za-z0-9_-]*|[0-9]+)((?:\[[0-9]+\])*)")
 def set_controller(document: Document, name: str) -> None:
     """Set the two kinds, or the one of a custom controller; what the new kinds lack is dropped, the others kept.
 
-    A name that is no pair of kinds is taken for a custom controller's; `resolve_controller` tells if it is none.
+    A name that is not a pair of kinds is taken as a custom controller; `resolve_controller` checks that there is one.
     """
     if document.data.get("controller") is None:
         document.data["controller"] = {}
     section = document.data["controller"]
     if not isinstance(section, dict):
-        return  # the schema tells what is wrong with it
+        return  # the schema reports what is wrong with it
     if section.get("kind", name) != name:  # another controller's options
         section.pop("options", None)
     section.pop("kind", None)
@@ -60,7 +60,7 @@ def custom_name(kind: str) -> str:
 
 
 def resolve_controller(document: Document, folder: Path) -> None:
-    """Make the path of a custom controller absolute, and see that one by name is there.
+    """Make the path of a custom controller absolute, and check that one given by name exists.
 
     A path starts at `folder`, then at the working directory; given as an option, at the working directory.
 
@@ -84,7 +84,7 @@ def resolve_controller(document: Document, folder: Path) -> None:
                     section["kind"] = file
                     return
         looked = " and ".join(dict.fromkeys(str(base.resolve()) for base in bases))
-        found = f"{kind!r}, which is no file (looked in {looked})"
+        found = f"{kind!r}, which is not a file (looked in {looked})"
         raise _error(where, found, "the path of a Python file", "check the path")
     if kind in CONTROLLERS:
         outer, inner = CONTROLLERS[kind]
@@ -96,8 +96,8 @@ def resolve_controller(document: Document, folder: Path) -> None:
         raise _error(
             where,
             f"{kind!r}, which is neither a known controller nor a module that can be found",
-            f"one of {', '.join(known)}, or a controller of your own",
-            f"{f'{near} ' if near else ''}Your own is given as {HOW}",
+            f"one of {', '.join(known)}, or a custom controller",
+            f"{f'{near} ' if near else ''}A custom controller is given as {HOW}",
         )
 
 
@@ -107,7 +107,7 @@ def apply(document: Document, override: str) -> None:
     Raises
     ------
     InputError
-        If the key is no path, leads through something that is neither section nor list, or past the end of a list.
+        If the key is not a path, leads through something that is neither section nor list, or past the end of a list.
     """
     where = f"--set {override[:200]}"
     text, equals, value_text = override.partition("=")
@@ -153,11 +153,11 @@ def _fitting(target: Any, part: str | int, here: Key, where: str) -> Any:
         return int(part)
     if isinstance(target, dict):
         if isinstance(part, int):
-            told = f"index {part}, where {name} holds no list"
-            raise _error(where, told, "the name of a key", f"set the whole list: --set '{name}=[...]'")
+            found = f"index {part}, where {name} holds no list"
+            raise _error(where, found, "the name of a key", f"set the whole list: --set '{name}=[...]'")
         return part
-    told = f"{name}, which is neither a section nor a list"
-    raise _error(where, told, "a key of the scenario", f"set {name} as a whole")
+    found = f"{name}, which is neither a section nor a list"
+    raise _error(where, found, "a key of the scenario", f"set {name} as a whole")
 
 
 def _error(where: str, found: str, expected: str, remedy: str) -> InputError:

@@ -1,4 +1,4 @@
-"""The scenario: one immutable object that says everything about a flight. Each key carries its unit as a suffix."""
+"""The scenario: one immutable object that describes a flight completely. Each key carries its unit as a suffix."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ from uavftc.scenario.checks import problems
 from uavftc.scenario.controllers import AnyController, Controller
 from uavftc.sensors import CHAIN as SENSORS
 
-MAX_PLANT_STEP_S = 5e-3  # s; the JSBSim integrators are at home at 120-200 Hz
+MAX_PLANT_STEP_S = 5e-3  # s; the JSBSim integrators are made for 120-200 Hz
 
 
 class Initial(Model):
-    """Condition at t = 0; null is the aircraft's own."""
+    """Condition at t = 0; null is the aircraft's default."""
 
     airspeed_mps: Positive | None = None
-    """true airspeed at t = 0, > 0; `null` is the aircraft's own, or else the lowest with ample authority
+    """true airspeed at t = 0, > 0; `null` is the aircraft's default, or else the lowest with ample authority
     for the reference"""
     altitude_m: Positive | None = None
-    """altitude above mean sea level at t = 0, > 0; `null` is the aircraft's own, or else 1500"""
+    """altitude above mean sea level at t = 0, > 0; `null` is the aircraft's default, or else 1500"""
 
 
 class Reference(Model):
@@ -99,7 +99,7 @@ else:
     _faults = [Annotated[config, Tag(default_kind(config))] for config in FAULTS]
     Fault = Annotated[reduce(or_, _faults), Discriminator(_kind)] if len(FAULTS) > 1 else FAULTS[0]
     Disturbance = Annotated[reduce(or_, configs(KINDS, "ENTRY_OF", "disturbances")), Field(discriminator="kind")]
-    Sensors = section("sensors", SENSORS, "What the controller is shown: the errors of the sensors.", __name__)
+    Sensors = section("sensors", SENSORS, "What the controller sees: the errors of the sensors.", __name__)
     Actuators = section("actuators", CHAIN, "What the actuators do by themselves.", __name__)
 
 
@@ -127,8 +127,8 @@ class _Head(Model):
     plant: Literal["jsbsim", "analytic"] = "jsbsim"
     """`jsbsim`: six degrees of freedom. `analytic`: the rotational model of the paper, eqs. (1)-(7)"""
     aircraft: Annotated[str, Field(min_length=1, max_length=4096)] = "hale"
-    """a shipped aircraft, `jsbsim:NAME` for one of JSBSim's own (`uavftc aircraft` lists them), or the path of a folder
-    ([new-aircraft.md](new-aircraft.md))"""
+    """a shipped aircraft, `jsbsim:NAME` for one that JSBSim ships (`uavftc aircraft` lists them), or the path of a
+    folder ([new-aircraft.md](new-aircraft.md))"""
     initial: Initial = Initial()
     """[initial](#initial) condition"""
     reference: Reference = Reference()

@@ -1,4 +1,4 @@
-"""What the controller is shown: one error of the sensors a file, in the order in which they act on a measurement."""
+"""What the controller sees: one error of the sensors a file, in the order in which they act on a measurement."""
 
 from __future__ import annotations
 

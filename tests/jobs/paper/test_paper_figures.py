@@ -97,7 +97,7 @@ def test_figure_2_is_the_saturation_and_the_tanh_beneath_it():
 
 
 @pytest.mark.parametrize("number", [3, 6, 9])
-def test_tracking_has_three_lettered_panels_in_degrees_and_the_errors_beside_them(flights, number):
+def test_tracking_has_three_lettered_panels_in_degrees_and_the_errors_next_to_them(flights, number):
     figure = drawn(number, flights)
     assert titles(figure)[::2] == ["(a) Roll angle", "(b) Pitch angle", "(c) Yaw angle"]
     assert titles(figure)[1::2] == ["Roll error", "Pitch error", "Yaw error"]

@@ -29,7 +29,7 @@ def result(folder: Path) -> Reproduction:
     return reproduce(PLANTS, folder, figures=False, advance=lambda done, total, label: None)
 
 
-def test_every_printed_number_appears_beside_ours_on_both_plants(result: Reproduction, folder: Path) -> None:
+def test_every_printed_number_appears_next_to_ours_on_both_plants(result: Reproduction, folder: Path) -> None:
     rows = json.loads((folder / "reproduce.json").read_text(encoding="utf-8"))
     assert len(rows) == 2 * len(printed.tables())
     named = ["table", "scenario", "controller", "saturation", "plant", "axis", "metric"]

@@ -1,4 +1,4 @@
-"""The print, and ours beside it."""
+"""The print, and ours next to it."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from uavftc.analysis.metrics import INTEGRALS
 from uavftc.core.signals import AXES
 from uavftc.flight.fly import Outcome
 from uavftc.jobs.campaign.pool import Flown
-from uavftc.jobs.paper import printed
-from uavftc.jobs.paper import tables as beside
+from uavftc.jobs.paper import printed, tables
 from uavftc.scenario.load import load_scenario
 
 DONE = Outcome(True, None, None, False, 4001, 0.0)
@@ -47,7 +46,7 @@ def test_the_printed_percentages_follow_from_the_printed_tables_but_for_one() ->
     # Tables 4 and 6 are 100 (1 - a / b) of Tables 3 and 5, to the last digit printed. The exception is the paper's.
     apart = {
         (i.table, i.axis, i.metric, i.over): (i.printed, round(i.recomputed, 1))
-        for i in beside.improvements_of("analytic", flights())
+        for i in tables.improvements_of("analytic", flights())
         if abs(i.printed - i.recomputed) > 0.051
     }
     assert len(printed.improvements()) == 48
@@ -55,16 +54,16 @@ def test_the_printed_percentages_follow_from_the_printed_tables_but_for_one() ->
 
 
 def test_flights_that_meet_the_print_score_zero() -> None:
-    rows = beside.rows_of("analytic", flights())
+    rows = tables.rows_of("analytic", flights())
     assert len(rows) == 144
-    assert beside.score(rows) == 0.0
-    assert all(beside.ratio(r) in (None, 1.0) for r in rows)
+    assert tables.score(rows) == 0.0
+    assert all(tables.ratio(r) in (None, 1.0) for r in rows)
 
 
 def test_the_score_is_the_rms_of_the_log_ratio() -> None:
-    rows = beside.rows_of("analytic", flights(1.1))
+    rows = tables.rows_of("analytic", flights(1.1))
     for table in (None, 2, 3, 5):
-        assert beside.score(rows, table) == pytest.approx(math.log(1.1), rel=1e-12)
+        assert tables.score(rows, table) == pytest.approx(math.log(1.1), rel=1e-12)
     counted = [r for r in rows if r["controller"] == "nndondi-l1" and r["metric"] in INTEGRALS]
     assert len(counted) == 48
 
@@ -73,7 +72,7 @@ def test_a_lost_flight_has_no_score() -> None:
     mine = flights()
     mine["scenario2", "nndondi-l1"].axes["roll"]["iae"] = None
     with pytest.raises(ValueError, match="missing"):
-        beside.score(beside.rows_of("analytic", mine))
+        tables.score(tables.rows_of("analytic", mine))
 
 
 @pytest.mark.parametrize(
@@ -81,7 +80,7 @@ def test_a_lost_flight_has_no_score() -> None:
     [(12.0, "confirmed"), (0.51, "confirmed"), (0.49, "tied"), (-0.49, "tied"), (-0.51, "not confirmed")],
 )
 def test_answers(percent: float, answer: str) -> None:
-    assert beside.verdict(percent) == answer
+    assert tables.verdict(percent) == answer
 
 
 def test_a_claim_is_answered_in_the_papers_conditions_first() -> None:
@@ -89,7 +88,7 @@ def test_a_claim_is_answered_in_the_papers_conditions_first() -> None:
     for axis in AXES:
         for metric in INTEGRALS:  # NDI-L1 as good as NNDONDI-L1, but not under the condition
             mine["scenario2", "ndi-l1"].axes[axis][metric] = mine["scenario2", "nndondi-l1"].axes[axis][metric]
-    claims = beside.claims_of(beside.improvements_of("analytic", mine), {"a bias": ("ndi-l1", other)})
+    claims = tables.claims_of(tables.improvements_of("analytic", mine), {"a bias": ("ndi-l1", other)})
     answers = {(c.improvement.table, c.improvement.over, c.answer) for c in claims}
     assert answers == {
         (4, "ndi-l1", "tied; confirmed only with a bias"),

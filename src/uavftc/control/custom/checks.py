@@ -1,4 +1,4 @@
-"""Checks of a controller of one's own: whatever is wrong with it becomes an `InputError` of the user's code."""
+"""Checks of a custom controller: anything wrong with it becomes an `InputError` that names the user's code."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from uavftc.control.custom.module import failed
 from uavftc.errors import InputError
 
 CREATE, STEP, PARAMETERS = "create(design, h, options)", "step(t, x1_c, x1, x2)", "params(design, h, options)"
-"""The functions of a controller, as an error tells them."""
+"""The functions of a controller, as messages show them."""
 
 
-def require(function: Any, file: str, wanted: str, what: str | None = None) -> None:
-    """Refuse what is not a function of the arguments in `wanted`."""
-    name, _, rest = wanted.partition("(")
+def require(function: Any, file: str, expected: str, what: str | None = None) -> None:
+    """Refuse what is not a function of the arguments in `expected`."""
+    name, _, rest = expected.partition("(")
     what = what or name
-    remedy = f"define {wanted}" if what == name else f"return a function {wanted}"
+    remedy = f"define {expected}" if what == name else f"return a function {expected}"
     if not callable(function):
         found = f"no function {name}" if function is None and what == name else f"{what}: {shown(function)}"
-        raise InputError(file, found=found, expected=f"the function {wanted}", remedy=remedy)
+        raise InputError(file, found=found, expected=f"the function {expected}", remedy=remedy)
     try:
         signature = inspect.signature(function)
-    except (TypeError, ValueError):  # a builtin; the trial tells
+    except (TypeError, ValueError):  # a builtin; the trial will show
         return
     try:
         signature.bind(*rest.rstrip(")").split(", "))
     except TypeError as error:
         raise InputError(
-            f"{file}, {name}", found=f"{name}{signature}: {error}", expected=wanted, remedy=remedy
+            f"{file}, {name}", found=f"{name}{signature}: {error}", expected=expected, remedy=remedy
         ) from None
 
 
 def call(function: Callable[..., Any], arguments: tuple[Any, ...], file: str, name: str) -> Any:
-    """Return what the user's function returns; what it raises is told with its line in the user's file."""
+    """Return what the user's function returns; what it raises is reported with its line in the user's file."""
     try:
         return function(*arguments)
     except InputError:
@@ -45,7 +45,7 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], file: str, na
         raise failed(f"{file}, {name}", error, file, f"{name.partition('(')[0]} to return") from None
 
 
-def three_numbers(value: Any, file: str, function: str, wanted: str, *, finite: bool = True) -> None:
+def three_numbers(value: Any, file: str, function: str, expected: str, *, finite: bool = True) -> None:
     """Refuse what is not three real numbers."""
     try:
         array = np.asarray(value)
@@ -54,11 +54,11 @@ def three_numbers(value: Any, file: str, function: str, wanted: str, *, finite: 
         good = False
     if not good:
         remedy = "return v2, or (v2, {'v1': ...})" if function == STEP else "give a number on every axis"
-        raise InputError(f"{file}, {function}", found=shown(value), expected=wanted, remedy=remedy)
+        raise InputError(f"{file}, {function}", found=shown(value), expected=expected, remedy=remedy)
 
 
 def shown(value: Any) -> str:
-    """Return a value as an error shows it: in short, an array of another size by its shape."""
+    """Return a value as a message shows it: in short; an array of another size by its shape."""
     if isinstance(value, np.ndarray) and value.shape != (3,):
         return f"an array of shape {value.shape}, {value.dtype}"
     text = " ".join(repr(value).split())

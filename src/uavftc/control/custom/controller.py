@@ -1,8 +1,8 @@
-"""A controller of one's own, both loops in one module; docs/custom-controller.md is its page.
+"""A custom controller, both loops in one module; docs/custom-controller.md describes it.
 
 In plain Python the module defines ``create(design, h, options)``, which returns ``step(t, x1_c, x1, x2)``. Compiled, it
 defines PARAMS, STATE, ``stage`` and ``params(design, h, options)`` as the laws of this project do. Both are tried on a
-copy before they fly, and what is wrong with them is told as the user's error.
+copy before they fly; what is wrong with them is reported as the user's error.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numba
 import numpy as np
 
 from uavftc.control.custom.checks import CREATE, PARAMETERS, STEP, call, require, shown, three_numbers
-from uavftc.control.custom.module import failed, load, told
+from uavftc.control.custom.module import described, failed, load
 from uavftc.core.given import ControlDesign
 from uavftc.core.program import Program
 from uavftc.core.signals import ROW, as_records, empty_rows
@@ -27,14 +27,14 @@ _TRIAL_RAD = 0.01  # commanded change of attitude of the trial: small against an
 
 
 def custom_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[str, Any]) -> list[Block | PythonBlock]:
-    """Return the controller of a module as blocks, tried before.
+    """Return the controller of a module as blocks, after a trial.
 
     Parameters
     ----------
     kind
         What `module.load` takes; a path is absolute.
     design, h, options
-        Handed to the module, copies each time: the design, the sample time, s, and the user's options.
+        Given to the module, copied each time: the design, the sample time, s, and the user's options.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def custom_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[s
 
 
 def positive_options(options: Mapping[str, Any], **defaults: float) -> dict[str, float]:
-    """Return the options of a controller whose options are all numbers above 0, defaults where none is given.
+    """Return the options of a controller whose options are all numbers above 0, with defaults for those not given.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def positive_options(options: Mapping[str, Any], **defaults: float) -> dict[str,
 
 @law
 def _write_nan(p, s, row):
-    """Write nan where a controller may say what it estimates: what it does not say is missing, not zero."""
+    """Write nan into the fields that a controller may fill: what it does not report is missing, not zero."""
     for i in range(3):
         row.d1_hat[i] = np.nan
         row.v1[i] = np.nan
@@ -130,20 +130,20 @@ def _in_flight(step: Callable[..., Any], file: str) -> Callable[[np.ndarray], No
     x1_c, x1, x2 = _columns("x1_c"), _columns("x1_meas"), _columns("x2_meas")
     aileron = _columns("v2").start
     elevator, rudder = aileron + 1, aileron + 2
-    told_at = {name: _columns(name) for name in TELEMETRY}
+    columns = {name: _columns(name) for name in TELEMETRY}
 
     def at_sample(row: np.ndarray) -> None:
         seen = row.copy()  # the controller may keep or change what it is given; the row is the history
         try:
             result = step(seen.item(0), seen[x1_c], seen[x1], seen[x2])
         except (Exception, SystemExit) as error:
-            raise StepFailed(f"the controller failed: {told(error, file)}") from None
+            raise StepFailed(f"the controller failed: {described(error, file)}") from None
         try:
             if type(result) is tuple and len(result) == 2:
                 result, telemetry = result
                 for name in telemetry:
-                    if name in told_at:
-                        row[told_at[name]] = telemetry[name]
+                    if name in columns:
+                        row[columns[name]] = telemetry[name]
             row[aileron], row[elevator], row[rudder] = result
         except (TypeError, ValueError):
             found = f"{STEP} returned {shown(result)}, expected three numbers"

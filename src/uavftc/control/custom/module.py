@@ -1,4 +1,4 @@
-"""Where a controller of one's own comes from: a file, an entry point, or a module by its import path."""
+"""Where a custom controller comes from: a file, an entry point, or a module by its import path."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ GROUP = "uavftc.controllers"
 """Group of the entry points by which an installed package gives its controllers short names."""
 
 SHIPPED = {name: f"{whole.__name__}.{name}" for name in whole.NAMES}
-"""The project's own entry points in GROUP, there in a checkout without metadata too; nobody else's replace them."""
+"""The shipped entry points in GROUP, known without package metadata too; no other package can replace them."""
 
 HOW = "./my_controller.py, or my_package.my_module for one that can be imported (see docs/custom-controller.md)"
-"""How one's own controller is named, for the end of an error's remedy."""
+"""How a custom controller is named, for the end of a remedy."""
 
 
 def is_path(kind: str) -> bool:
-    """Tell whether a controller's kind is the path of a file: it has a separator, or ends in .py."""
+    """Return whether a controller's kind is the path of a file: it has a separator, or ends in .py."""
     return kind.endswith(".py") or "/" in kind or "\\" in kind
 
 
@@ -42,7 +42,7 @@ def registered() -> dict[str, EntryPoint]:
 
 
 def is_there(kind: str) -> bool:
-    """Tell, without running anything of it, whether a kind that is no path can be meant: its package can be found."""
+    """Return whether a kind that is not a path can be found: its package exists. Nothing of it is run."""
     if kind in SHIPPED or kind in registered():
         return True
     if not all(part.isidentifier() for part in kind.split(".")):
@@ -102,7 +102,7 @@ def checksum(kind: str) -> str | None:
 
 
 def _from_file(path: Path) -> ModuleType:
-    """Return the module of a file, run once for each content; no __pycache__ is left beside it."""
+    """Return the module of a file, run once for each content; no __pycache__ is left next to it."""
     source = path.read_bytes()
     digest = hashlib.sha256(str(path).encode() + b"\0" + source).hexdigest()[:12]
     name = f"custom_controller_{re.sub(r'[^A-Za-z0-9_]', '_', path.stem)}_{digest}"
@@ -139,14 +139,14 @@ def _folders_searched(*folders: Path) -> Iterator[None]:
 
 
 def failed(where: str, error: BaseException, file: str, expected: str) -> InputError:
-    """Return the error that tells what the user's code raised, and at which line of it."""
+    """Return the error that says what the user's code raised, and at which line."""
     line, _ = place(error, file)
     remedy = "correct the code" if line is None else f"correct line {line}"
-    return InputError(where, found=told(error, file), expected=expected, remedy=remedy)
+    return InputError(where, found=described(error, file), expected=expected, remedy=remedy)
 
 
-def told(error: BaseException, file: str) -> str:
-    """Return what was raised, its line in the user's file, and what stands there."""
+def described(error: BaseException, file: str) -> str:
+    """Return what was raised, its line in the user's file, and the text of that line."""
     line, text = place(error, file)
     what = " ".join(traceback.format_exception_only(error)[-1].split())[:300]
     if line is None:

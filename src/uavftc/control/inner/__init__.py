@@ -6,4 +6,4 @@ from uavftc.control.inner import l1, mrac
 
 KINDS = (l1, mrac)
 DEFAULT = l1
-"""The kind where a scenario names none."""
+"""The kind that a scenario without one gets."""

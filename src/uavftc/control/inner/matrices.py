@@ -10,7 +10,7 @@ MAX_CONDITION = 1e8  # of B_m; beyond it the inverse has lost half of its digits
 
 
 def is_hurwitz(matrix: np.ndarray) -> bool:
-    """Tell whether all eigenvalues of `matrix` lie in the open left half plane."""
+    """Return whether all eigenvalues of `matrix` are in the open left half plane."""
     try:
         return bool(np.max(np.linalg.eigvals(matrix).real) < 0)
     except np.linalg.LinAlgError:
@@ -48,7 +48,7 @@ def positive_definite(Q: Matrix3) -> list[Problem]:
 
 
 def invertible(B_m: Matrix3 | None) -> list[Problem]:
-    """The gains are B_m^-1 times a matrix; null is the aircraft's own B_m, judged where it is computed."""
+    """The gains are B_m^-1 times a matrix; null is the aircraft's B_m, which is checked where it is computed."""
     if B_m is None:
         return []
     with np.errstate(all="ignore"):
@@ -60,4 +60,4 @@ def invertible(B_m: Matrix3 | None) -> list[Problem]:
         return []
     found = f"{np.array(B_m).tolist()}, condition number {condition:.3g}"
     expected = f"an invertible matrix, condition number below {MAX_CONDITION:g}"
-    return [Problem(("B_m",), found, expected, "leave B_m out (null): the aircraft's own is used")]
+    return [Problem(("B_m",), found, expected, "leave B_m out (null): the aircraft's is used")]

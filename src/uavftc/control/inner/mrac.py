@@ -6,7 +6,7 @@ The predictor and adaptive laws of `predictor.py` without the low-pass filter of
 
 The paper names the comparator and states that its parameters are those of the L1 controller; it prints no equation.
 This is the law that results when the filter bandwidth of eq. (32) tends to infinity. It commands from the first sample
-on, where the L1 filter still stands at zero.
+on, where the L1 filter is still at zero.
 
 With `anti_windup: limited` the predictor is given what was applied of v_ad (see `predictor.py`); there is no filter.
 """

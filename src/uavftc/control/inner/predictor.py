@@ -14,9 +14,9 @@ those applied over the step). Inserting the adaptive laws into the predictor lea
         = x2_hat_old - x2 + h ( A_m x2 + B_m (omega_hat v_ad + W_hat^T Phi + eps_hat) )
 
 It is stable at every sample rate. Forward Euler (`explicit`), in which x2_tilde of the old sample drives everything,
-is there to show its effect: with Gamma = 1e5 it needs steps far below 1 ms. The projection keeps each estimate inside
-its bounds after the step; for a box that is the nearest admissible point, which is what the continuous operator of the
-paper's [35] tends to.
+is available to show its effect: with Gamma = 1e5 it needs steps far below 1 ms. The projection keeps each estimate
+inside its bounds after the step; for a box that is the nearest admissible point, which is what the continuous operator
+of the paper's [35] tends to.
 
 Limits (`anti_windup: limited`). As printed, predictor and adaptive laws are given the command v_ad that the law asks
 for. A surface at its limit does less, the estimates make up for the difference by asking for more, and the command
@@ -91,7 +91,7 @@ BOUNDS = "[lower, upper] with 0 < lower <= 1 <= upper and lower < upper"
 def _bounds(value: tuple[float, float]) -> tuple[float, float]:
     """The estimate of the effectiveness starts at 1, so 1 must lie within its bounds."""
     if not 0 < value[0] <= 1 <= value[1] or value[0] == value[1]:
-        raise PydanticCustomError("shape", "{wanted}", {"wanted": BOUNDS})
+        raise PydanticCustomError("shape", "{expected}", {"expected": BOUNDS})
     return value
 
 
@@ -107,7 +107,7 @@ class PredictorConfig(Model):
     Q: Matrix3 = IDENTITY
     """3x3, symmetric positive definite, right side of the Lyapunov equation for P"""
     B_m: Matrix3 | None = None
-    """3x3, 1/s^2, invertible (condition number below 1e8); `null` is the aircraft's own"""
+    """3x3, 1/s^2, invertible (condition number below 1e8); `null` is the aircraft's"""
     K_0: Matrix3 = ZEROS
     """3x3, s, v2 = -K_0^T x2 + v_ad"""
     effectiveness_bounds: Annotated[tuple[Number, Number], list_of(2, BOUNDS), AfterValidator(_bounds)] = (0.1, 2.0)
@@ -140,7 +140,7 @@ class PredictorConfig(Model):
         if not is_hurwitz(np.array(self.A_m)):
             found.append(("A_m", "not Hurwitz, the body rates are asked to follow an unstable model"))
         if self.integration == "explicit" and rate_hz < 1000:
-            found.append(("integration", "explicit below 1000 Hz diverges; it is there to show that"))
+            found.append(("integration", "explicit below 1000 Hz diverges; it exists to show that"))
         return found
 
 

@@ -6,4 +6,4 @@ from uavftc.control.outer import ndi, nndo
 
 KINDS = (ndi, nndo)
 DEFAULT = nndo
-"""The kind where a scenario names none."""
+"""The kind that a scenario without one gets."""

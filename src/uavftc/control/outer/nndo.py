@@ -11,7 +11,7 @@ taken at the new sample, W_hat is advanced with it, and d1_hat follows from the 
 h sqrt(gamma) |Phi| < 2, which holds by a factor of 100 at 50 Hz with the paper's gains).
 
 Where the kinematics are exact (d1 = 0, no sensor error) e and with it d1_hat stay at zero: the observer is idle in
-the paper's own scenarios. It acts on what makes x1' differ from g1 x2, such as the bias of a rate gyro.
+the paper's scenarios. It acts on what makes x1' differ from g1 x2, such as the bias of a rate gyro.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Controllers that take the place of both loops, as a custom controller does: one a file."""
+"""Controllers that replace both loops, as a custom controller does; one a file."""
 
 NAMES = ("pid", "lqi")
 """Each the name of a module here, and of the controller."""

@@ -3,10 +3,10 @@
     v1 = g1(x1)^-1 omega_a (x1_c - x1)                      attitude loop: commanded body rates
     e  = v1 - x2
     z' = omega_r^2 e + omega_r B (v2 - v)                   integral term, rad/s^2, with anti-windup
-    v  = B^-1 ( 2 omega_r e + z - A x2 )                    rate loop: wanted angular acceleration to deflections
+    v  = B^-1 ( 2 omega_r e + z - A x2 )                    rate loop: commanded angular acceleration to deflections
     v2 = v within the limits
 
-The gains follow from the linear pair x2' = A x2 + B v2. B^-1 gives each axis its own angular acceleration, -A x2 takes
+The gains follow from the linear pair x2' = A x2 + B v2. B^-1 decouples the axes, -A x2 takes
 the place of the aircraft's damping, and what is left on each axis, e' = -2 omega_r e - z, has both poles at -omega_r.
 While a surface is at its limit, the last term of z' draws the integral back at the rate omega_r.
 

@@ -1,1 +1,1 @@
-"""Benchmarks: what the closed loop costs beside what it stands on."""
+"""Benchmarks: what the closed loop costs compared with what it is built on."""

@@ -12,7 +12,7 @@ from uavftc.jobs.bench.measure import Bar, Figure, Figures, NotMeasuredError
 from uavftc.results.summary import provenance
 
 Progress = Callable[[int, int, str], None]
-"""Told how many figures are done, of how many, and the name of the one being measured."""
+"""Called with the figures done, the figures in all, and the name of the one being measured."""
 
 _AT_LEAST_50 = Bar(50.0, at_least=True)
 
@@ -44,7 +44,7 @@ CATALOGUE: dict[str, Entry] = {
     "memory_growth_mb": Entry(processes.memory_growth_mb, Bar(500.0)),
     "peers": Entry(peers.peers),
 }
-"""In the order in which they are measured and told."""
+"""In the order in which they are measured and shown."""
 
 
 def run(names: Sequence[str], rounds: int, advance: Progress) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def run(names: Sequence[str], rounds: int, advance: Progress) -> dict[str, Any]:
 
 
 def measured(entry: Entry, rounds: int) -> dict[str, Any]:
-    """Return the figures of an entry as the document tells them."""
+    """Return the figures of an entry as the document has them."""
     try:
         found = entry.measure(rounds)
     except NotMeasuredError as reason:

@@ -1,7 +1,7 @@
 """Scenario 2 as one system of ordinary differential equations: the paper's loop before it is sampled.
 
-It is what a general solver is given to integrate, compiled by numba, so that the solver's own work is what is timed and
-not an interpreted right-hand side. The equations are those of the flight it is compared with, called with its own
+A general solver integrates it. It is compiled by numba, so that the solver's work is timed and not an interpreted
+right-hand side. The equations are those of the flight it is compared with, called with its
 parameters: model (7) `analytic.derivative`, limits (20) `saturation.sat`, outer loop (9) `ndi.step`, predictor and
 adaptive laws (30) and (31) `predictor.advance`. What the flight has in a sampled form only stands here in the
 continuous one: the projection of (31), which holds an estimate at its bound, observer (14) to (16), control law (32).

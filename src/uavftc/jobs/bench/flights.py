@@ -46,7 +46,7 @@ def fly_all_of(flight: Flight, *recorders: Recorder) -> float:
     Raises
     ------
     NotMeasuredError
-        If the vehicle is lost on the way: another flight is no measure of this one.
+        If the vehicle is lost on the way: the time of another flight says nothing about this one.
     KeyboardInterrupt
         After Ctrl-C, which a flight by itself only takes as its end.
     """

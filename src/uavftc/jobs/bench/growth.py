@@ -26,7 +26,7 @@ def time_growth(rounds: int) -> dict[str, Figure]:
 
 
 def _per_row(plant: str, duration_s: float, repeated: int) -> Job:
-    """Return the job of flying that often to a file; its seconds are those of a row."""
+    """Return a job that flies so many times to a file; its seconds are those of one row."""
     flown = level(duration_s, plant)
 
     def one(path: Path) -> float:

@@ -1,4 +1,4 @@
-"""Measuring: jobs in turn, one round after another, and what came of them as a figure."""
+"""Measuring: jobs in turn, one round after another, and the results as a figure."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ class Figure(NamedTuple):
     reason: str | None = None
 
     def document(self, bar: Bar | None = None) -> dict[str, Any]:
-        """Return the figure as `uavftc bench --json` tells it."""
+        """Return the figure as `uavftc bench --json` prints it."""
         if self.reason is not None:
             return {"median": None, "spread": None, "reason": self.reason}
         median = statistics.median(self.values)
-        told: dict[str, Any] = {"median": median, "spread": [min(self.values), max(self.values)]}
+        document: dict[str, Any] = {"median": median, "spread": [min(self.values), max(self.values)]}
         if bar is not None:
-            told |= {"at_least" if bar.at_least else "at_most": bar.limit, "met": bar.met(median)}
-        return told | self.details
+            document |= {"at_least" if bar.at_least else "at_most": bar.limit, "met": bar.met(median)}
+        return document | self.details
 
 
 Figures = Figure | dict[str, Figure]

@@ -48,14 +48,14 @@ def _one_by_one(program: Program, rows: np.ndarray) -> float:
 
 
 class _NoProgram:
-    """Stands for the compiled call."""
+    """Takes the place of the compiled call."""
 
     def on(self, _rows: np.ndarray) -> Callable[[int, int], int]:
         return lambda _first, last: last
 
 
 class _NoFdm:
-    """Stands for JSBSim's frame; the properties stay those of the real one."""
+    """Takes the place of JSBSim's frame; the properties stay those of the real one."""
 
     def run(self) -> bool:
         return True

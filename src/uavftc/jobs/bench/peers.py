@@ -34,8 +34,8 @@ def _ours() -> tuple[Job, int]:
 
 def _figure(theirs: list[float], ours: list[float], their_frames: int, frames: int, **details: Any) -> Figure:
     a, b = [s / their_frames for s in theirs], [s / frames for s in ours]
-    told = {"frames_per_s": of([1.0 / s for s in a]), "our_frames_per_s": of([1.0 / s for s in b])}
-    return Figure(ratios(a, b), {**told, **details})
+    rates = {"frames_per_s": of([1.0 / s for s in a]), "our_frames_per_s": of([1.0 / s for s in b])}
+    return Figure(ratios(a, b), {**rates, **details})
 
 
 def _property_loop(rounds: int) -> Figure:

@@ -18,7 +18,7 @@ from uavftc.scenario.load import scenario_text
 
 FLY = "from uavftc.cli.app import main_fly; main_fly()"  # what the script uavftc-fly does
 IMPORTS = "import numpy, scipy.linalg, jsbsim, numba"
-# A small parent of its own: a process counts the memory of the one that started it into its peak.
+# Started by a small parent: a process counts the memory of the one that started it into its peak.
 PEAK = """
 import resource, subprocess, sys
 subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)
@@ -46,8 +46,8 @@ def python(code: str, *arguments: str, environment: Mapping[str, str] | None = N
             check=False,
         )
     if done.returncode != 0:
-        told = done.stderr.strip().splitlines()
-        raise NotMeasuredError(f"the process ended with code {done.returncode}: {told[-1] if told else 'no message'}")
+        lines = done.stderr.strip().splitlines()
+        raise NotMeasuredError(f"the process ended with code {done.returncode}: {lines[-1] if lines else 'no message'}")
     return done.stdout
 
 

@@ -56,7 +56,7 @@ def _over_flight(method: str, rtol: float, atol: float, rounds: int) -> Figure:
 
 
 def _warm(job: Job) -> Job:
-    """Return the job done twice, the second time measured: after seconds of another's work its code is cold."""
+    """Return the job done twice and measured the second time: after seconds of other work its code is cold."""
 
     def twice() -> float:
         job()

@@ -15,13 +15,13 @@ QUIET = 0.5  # load average at the start; above it something else was running
 
 def figures_of(document: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield every figure of the document of `uavftc bench --json` with its full name."""
-    for name, told in document.items():
-        if not isinstance(told, dict) or name == "machine":
+    for name, entry in document.items():
+        if not isinstance(entry, dict) or name == "machine":
             continue
-        if "median" in told:
-            yield name, told
+        if "median" in entry:
+            yield name, entry
         else:
-            yield from ((f"{name}.{part}", figure) for part, figure in told.items())
+            yield from ((f"{name}.{part}", figure) for part, figure in entry.items())
 
 
 def print_figures(console: Console, document: dict[str, Any]) -> None:
@@ -30,25 +30,25 @@ def print_figures(console: Console, document: dict[str, Any]) -> None:
     for header in ("", "median", "least", "most", "bar", "met"):
         table.add_column(header, justify="right" if header else "left", no_wrap=True)
     reasons = []
-    for name, told in figures_of(document):
-        if told["median"] is None:
+    for name, entry in figures_of(document):
+        if entry["median"] is None:
             table.add_row(Text(name), "-", "-", "-", "", "")
-            reasons.append(f"{name}: {told['reason']}")
+            reasons.append(f"{name}: {entry['reason']}")
             continue
         bar = next(
-            (f"{sign} {told[key]:g}" for key, sign in (("at_most", "<="), ("at_least", ">=")) if key in told), ""
+            (f"{sign} {entry[key]:g}" for key, sign in (("at_most", "<="), ("at_least", ">=")) if key in entry), ""
         )
-        met = Text({True: "yes", False: "no"}[told["met"]], "green" if told["met"] else "red") if bar else Text("")
-        table.add_row(Text(name), *map(_short, (told["median"], *told["spread"])), bar, met)
+        met = Text({True: "yes", False: "no"}[entry["met"]], "green" if entry["met"] else "red") if bar else Text("")
+        table.add_row(Text(name), *map(_short, (entry["median"], *entry["spread"])), bar, met)
     console.print(table)
     for reason in reasons:
         console.print(Text(reason), soft_wrap=True)
     machine = document["machine"]
-    told_machine = (
+    measured_on = (
         f"{document['rounds']} rounds; {machine['system']}, {machine['cores']} cores; python {machine['python']}, "
         f"jsbsim {machine['jsbsim']}, numba {machine['numba']}"
     )
-    console.print(Text(told_machine), soft_wrap=True)
+    console.print(Text(measured_on), soft_wrap=True)
     if (machine["load_average"] or 0.0) > QUIET:
         busy = f"the machine was busy (load average {machine['load_average']:.1f}): measure again when it is not"
         console.print(Text(busy, "yellow"), soft_wrap=True)

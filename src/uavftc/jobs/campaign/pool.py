@@ -30,7 +30,7 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     InputError
         If it cannot be flown.
     KeyboardInterrupt
-        On Ctrl-C: of one flight among many all is kept, or nothing.
+        On Ctrl-C: each flight of many is kept whole or not at all.
     """
     flight = build_flight(scenario)
     origin = origin_of(flight)
@@ -58,7 +58,7 @@ def fly_all(
     keep_history
         Whether to return the histories.
     workers
-        Processes; by default as many as cores, and none besides this one for a handful of flights.
+        Processes; by default as many as cores, and no other than this one for a handful of flights.
     progress
         Called with the number of flights done.
 

@@ -1,1 +1,1 @@
-"""A design of the inner loop as numbers, and beside a flight."""
+"""A design of the inner loop as numbers, and compared with a flight."""

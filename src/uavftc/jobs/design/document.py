@@ -1,9 +1,9 @@
 """A design as numbers: trim, linear pair, gains, L1 norms, and the bounds of the paper's theorems where they exist.
 
-The document is what `uavftc design --json` prints. What the trim and the linear model of JSBSim say is put together in
-`trimmed.py`, what a flight adds in `reference.py`, and what the theory says of the inner loop here. Where a number does
-not exist it is None, and a `reason` next to it says why. Names ending in `_A_m` are the figures with A_m, the matrix of
-the plant (27), in the place of A_s.
+The document is what `uavftc design --json` prints. `trimmed.py` puts together what the trim and the linear model of
+JSBSim give, `reference.py` what a flight adds; the theory of the inner loop is here. Where a number does not exist it
+is None, and a `reason` next to it says why. Names ending in `_A_m` are the figures with A_m, the matrix of the plant
+(27), in place of A_s.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def design_document(
         As `load_aircraft`.
     scenario
         Controller, initial condition and reference are taken from it; default: those of `flight`, or of
-        `DEFAULT_SCENARIO`, which is the paper's controller, the aircraft's own condition, and 5 deg on each axis.
+        `DEFAULT_SCENARIO`, which is the paper's controller, the aircraft's condition, and 5 deg on each axis.
     flight
         Flown, and compared with the bounds; its controller must be that of `scenario`, where both are given.
     given
@@ -64,8 +64,8 @@ def design_document(
     Raises
     ------
     InputError
-        If the aircraft cannot be loaded or trimmed, or the inner loop is not L1. An aircraft that trims and that the
-        controller cannot fly is no error here: its `verdict` is `refused`, with the `reasons`.
+        If the aircraft cannot be loaded or trimmed, or the inner loop is not L1. An aircraft that trims but that the
+        controller cannot fly is not an error here: its `verdict` is `refused`, with the `reasons`.
     """
     given = given or Given()
     aircraft = load_aircraft(aircraft_name, "AIRCRAFT")

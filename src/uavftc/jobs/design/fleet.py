@@ -46,7 +46,7 @@ def names() -> list[str]:
 
 
 def fleet(
-    wanted: Sequence[str],
+    names: Sequence[str],
     *,
     quick: bool = False,
     workers: int | None = None,
@@ -56,7 +56,7 @@ def fleet(
 
     Parameters
     ----------
-    wanted
+    names
         Names as `load_aircraft` takes them.
     quick
         Measure nothing: what is not in the cache has `measured` false, and nothing else.
@@ -65,7 +65,7 @@ def fleet(
     progress
         Called with the number of rows known, now and then.
     """
-    rows = {name: cached(name) for name in wanted}
+    rows = {name: cached(name) for name in names}
     missing = [name for name, row in rows.items() if row is None]
     if not quick and missing:
         with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
@@ -84,7 +84,7 @@ def fleet(
                 stopped.set()
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
-    return [rows[name] or _row(name, measured=False) for name in wanted]
+    return [rows[name] or _row(name, measured=False) for name in names]
 
 
 def _uninterrupted(name: str, stopped: threading.Event) -> Row:

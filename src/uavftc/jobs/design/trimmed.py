@@ -30,7 +30,7 @@ def design_model(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel:
 
 
 def trimmed_sections(scenario: Scenario, model: TrimmedModel) -> dict[str, Any]:
-    """Return the part of the design document that a trimmed model has to say."""
+    """Return what a trimmed model adds to the design document."""
     reasons = reasons_against(scenario, model)
     return {
         "verdict": "refused" if reasons else "flyable",
@@ -56,7 +56,7 @@ def trimmed_sections(scenario: Scenario, model: TrimmedModel) -> dict[str, Any]:
 
 
 def trim_section(model: TrimmedModel) -> dict[str, Any]:
-    """Return the trim: attitude, commands in the aircraft's own units, deflections from neutral, accelerations left."""
+    """Return the trim: attitude, commands in the aircraft's units, deflections from neutral, accelerations left."""
     trim = model.trim
     commands, pedals = np.array(trim["surfaces"]), np.array(trim["trim_commands"])
     deflections = (commands + pedals) * np.array(model.rad_per_command)
@@ -96,7 +96,7 @@ def controllability(model: TrimmedModel) -> dict[str, Any]:
     """Return rank and condition of the rate loop.
 
     The rank is that of [B, A B, A^2 B] with B at full deflection, counting what answers with more than
-    `RESPONSE_MIN`; the condition number is that of B with each surface scaled to its own axis, as flights check it.
+    `RESPONSE_MIN`; the condition number is that of B with each surface scaled to its axis, as flights check it.
     """
     A, B = model.A_rates, model.B_rates
     full = B * np.max(np.abs(model.limits_rad), axis=1)

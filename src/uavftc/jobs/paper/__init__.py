@@ -1,1 +1,1 @@
-"""The paper's section 4 again: its tables and figures beside ours, and what explains the differences."""
+"""Section 4 of the paper, flown again: its tables and figures next to ours, and what explains the differences."""

@@ -69,7 +69,7 @@ def figure_2(h: Callable[[np.ndarray, float, float], np.ndarray] = smooth) -> Fi
 
 
 def tracking(number: int, flown: Mapping[Key, Flown], curves: list[Curve]) -> Figure:
-    """Return Figure 3, 6 or 9: the attitude against its reference, and beside it the error on a logarithmic scale."""
+    """Return Figure 3, 6 or 9: the attitude against its reference, and next to it the error on a logarithmic scale."""
     fig, axes = _figure(number, flown[curves[0].key], 3, 5.9)
     for i, (angle, axis) in enumerate(zip(ANGLES, AXES, strict=True)):
         left, right = axes[i]
@@ -182,7 +182,7 @@ def _name(ax: Axes, index: int, panel: Panel, flight: Flown, unit: str) -> None:
 
 
 def _coincides(flown: Mapping[Key, Flown], key: Key, curves: list[Curve]) -> str:
-    """Return a remark on a curve that cannot be told from the first one."""
+    """Return a remark on a curve that looks the same as the first one."""
     first = curves[0]
     if key == first.key:
         return ""

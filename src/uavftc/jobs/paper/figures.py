@@ -1,7 +1,7 @@
-"""Figures 2 to 11 of the paper from our own flights: the same panels, ready for print at 170 mm.
+"""Figures 2 to 11 of the paper, from our flights: the same panels, ready for print at 170 mm.
 
 Angles in deg, body rates in deg/s, deflections in rad (the paper's limits are), estimates in deg/s and deg/s^2.
-Importing this module imports matplotlib (0.7 s), so import it where figures are wanted.
+Importing this module imports matplotlib (0.7 s), so import it where figures are drawn.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def write_figures(folder: Path, flown: Mapping[Key, Flown], *, prefix: str = "")
     Parameters
     ----------
     folder
-        Where to; made if it is missing (its parent must be there).
+        Where to write; made if it is missing (its parent must exist).
     flown
         (scenario, controller) to flight, with history, all on one plant: scenario1 and scenario1-unsaturated by
         nndondi-l1; scenario2 and scenario3 by nndondi-l1, ndi-l1 and nndondi-mrac.

@@ -1,4 +1,4 @@
-"""What the flights say that the paper does not: each finding computed from them, with the command that shows it."""
+"""What the flights show and the paper does not: each finding computed from them, with the command that shows it."""
 
 from __future__ import annotations
 
@@ -141,13 +141,13 @@ def loop_delay(flights: Flights, plant: str) -> Finding:
     return Finding(
         "loop-delay",
         plant,
-        "L1 keeps its calm as the loop slows down; MRAC does not",
+        "L1 stays calm as the loop slows down; MRAC does not",
         f"On a perfect loop both track alike. With {at:g} ms of delay between command and surface the busiest surface "
         f"of L1 travels {activity[L1, at]:.2f} rad in {duration:g} s, that of MRAC {activity[MRAC, at]:.1f} rad. "
         + (
-            "JSBSim moves before it computes forces, a frame of delay of its own; so MRAC works the surfaces "
+            "JSBSim moves before it computes forces, which is one frame of delay; so MRAC moves the surfaces "
             f"{activity[MRAC, 0.0] / activity[L1, 0.0]:.0f} times as much as L1 without any added delay. "
-            "(With a delay of part of a sample JSBSim runs finer frames, and its own delay is shorter.)"
+            "(With a delay of part of a sample JSBSim runs finer frames, and its frame of delay is shorter.)"
             if plant == "jsbsim"
             else "Tracking alone hides it: the integral metrics stay close until the loop is lost."
         ),
@@ -190,7 +190,7 @@ def fault_scale(flights: Flights, plant: str) -> Finding:
         plant,
         "Table 5 turns on the unit of the additive fault",
         f"In plain degrees the score over the {scored()} figures is {scores[1.0][0]:.3f} ({scores[1.0][1]:.3f} over "
-        f"Table 5). A fit, found by search and no reading of the text: at {best:.2f} deg a printed unit it is "
+        f"Table 5). A fit, found by search and not read from the text: at {best:.2f} deg a printed unit it is "
         f"{scores[best][0]:.3f} ({scores[best][1]:.3f}). Beyond, the rudder saturates and the figures run away. Read "
         f"in rad the vehicle {end}.",
         ("deg per printed unit", "score, all tables", "score, Table 5"),
@@ -272,7 +272,7 @@ def explicit_integration(flights: Flights, plant: str) -> Finding:
         "The MRAC column looks like a numerical artefact",
         f"Gamma = {gamma} makes the adaptation stiff ({slowest:.1f} to {fastest:.1f} krad/s). Solved accurately, MRAC "
         f"tracks as well as L1. An explicit Euler step of {step} leaves it with errors of the printed size; a "
-        "plausible reading, no proof. Under the same step L1 itself is lost: its attitude error reaches "
+        "plausible reading, not a proof. Under the same step L1 itself is lost: its attitude error reaches "
         f"{largest:.0f} deg.",
         ("axis", "printed IAE / error [deg]", "solved accurately", f"explicit Euler, {step}"),
         rows,

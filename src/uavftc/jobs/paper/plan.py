@@ -1,4 +1,4 @@
-"""What is flown to reproduce section 4: the paper's own cases, and the variants that explain the differences."""
+"""What is flown to reproduce section 4: the paper's cases, and the variants that explain the differences."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _load(key: Key, overrides: Sequence[str] = ()) -> tuple[Key, Scenario]:
 
 
 def cases(plant: str) -> Plan:
-    """Return the paper's own flights."""
+    """Return the flights of the paper."""
     return dict(_load(Key("paper", plant, scenario, controller)) for scenario, controller in CASES)
 
 

@@ -1,6 +1,6 @@
 """The figures that the paper prints, carried as package data: Tables 2, 3 and 5, and the percentages of 4 and 6.
 
-They are only ever set beside computed figures; nothing that computes ours reads this module.
+They are only compared with computed figures; nothing that computes ours reads this module.
 Source: Zhou et al., Actuators 2025, 14(9), 437, CC BY 4.0.
 """
 

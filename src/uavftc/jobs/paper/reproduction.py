@@ -116,7 +116,7 @@ def document_of(result: Reproduction) -> dict[str, Any]:
     """Return the document of `summary.json`."""
     some = next(iter(result.flights.values()))
     origin = provenance(seed=some.scenario.seed, scenario_sha256="", aircraft_sha256=None)
-    del origin["scenario_sha256"], origin["aircraft_sha256"]  # many scenarios, and each has its own
+    del origin["scenario_sha256"], origin["aircraft_sha256"]  # many scenarios, each with its own
     settings = {
         plant: next(f.settings for k, f in result.flights.items() if k.plant == plant) for plant in result.plants
     }

@@ -90,7 +90,7 @@ class Improvement(NamedTuple):
 
 
 def improvements_of(plant: str, flights: Flights) -> list[Improvement]:
-    """Return Tables 4 and 6 beside ours: 100 (1 - NNDONDI-L1 / other) for each integral metric."""
+    """Return Tables 4 and 6 next to ours: 100 (1 - NNDONDI-L1 / other) for each integral metric."""
     values = {(p.shipped, p.controller, p.axis, p.metric): p.value for p in printed.tables()}
     result = []
     for p in printed.improvements():

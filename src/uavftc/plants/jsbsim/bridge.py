@@ -1,8 +1,8 @@
-"""The bridge between the signal row and JSBSim, in compiled laws; what crosses are plain doubles.
+"""The bridge between the signal row and JSBSim, in compiled laws; only plain doubles cross it.
 
 `observe` turns what JSBSim reports (feet, heading in [0, 2 pi)) into the row's SI and continuous heading.
 `push` turns the row's disturbance and wind into what JSBSim is given.
-`hold_airspeed` holds the airspeed of an aircraft that has no autothrottle of its own.
+`hold_airspeed` holds the airspeed of an aircraft without an autothrottle.
 `command` turns the deflection of one effector into its command, at each frame.
 
 A disturbance d2 is exact: it enters as the body moment J d2.
@@ -37,7 +37,7 @@ HOLD_STATE = np.dtype([("throttle", "f8"), ("integral", "f8")])  # command, 0..1
 
 COMMAND_PARAMS = np.dtype(
     [
-        ("trim", "f8"),  # command at trim, in its own unit
+        ("trim", "f8"),  # command at trim, in the unit of the command
         ("rad_per_command", "f8"),  # deflection, rad, per unit of command
     ]
 )

@@ -1,7 +1,7 @@
 """Linear model of a JSBSim aircraft at its trim, by central differences with actuators settled.
 
-The vehicle is frozen: a state is placed and a few frames run, or a surface is moved and all comes to rest, and the
-accelerations are read. A propeller keeps the speed it has at the trim for those few frames, and its thrust has not.
+The vehicle is frozen: a state is set and a few frames run, or a surface is moved until everything is at rest; then the
+accelerations are read. For those few frames a propeller keeps the speed of the trim, but not its thrust.
 The response to each surface is taken at two step sizes; where they differ, it is not linear in the small.
 """
 
@@ -25,7 +25,7 @@ SPEED_STEP = 0.1  # m/s
 THROTTLE_STEP = 0.02
 
 PLACED = {"V": "airspeed", "alpha": "alpha", "beta": "beta", "theta": "theta", "phi": "phi"}
-"""States that are placed by name; the rates have an argument of their own."""
+"""States that are set by name; the rates are a separate argument."""
 
 
 class Linear(NamedTuple):
@@ -40,7 +40,7 @@ class Linear(NamedTuple):
     throttle_mps2: float
     """Change of u_dot, m/s^2, per unit of throttle."""
     nonlinearity: np.ndarray
-    """(3,) relative difference of each surface's own angular response between the two steps."""
+    """(3,) relative difference of each surface's angular response about its axis between the two steps."""
 
 
 def linearise(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim) -> Linear:

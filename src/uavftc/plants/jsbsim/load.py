@@ -27,10 +27,10 @@ from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 FLAT_PLANET = Path(__file__).with_name("flat_planet.xml")
 """Flat, not rotating, constant gravity: the paper's assumptions 2 and 3, for an aircraft that names no planet."""
 
-_TOLD = 4  # of JSBSim's complaints; the first ones name the cause
+_SHOWN = 4  # of JSBSim's complaints; the first ones name the cause
 _WARN, _FATAL = int(jsbsim.LogLevel.WARN), int(jsbsim.LogLevel.FATAL)
 
-# Children that JSBSim reads; it passes over any other without a word, which loses a mass or an inertia.
+# Children that JSBSim reads; it silently ignores any other, which loses a mass or an inertia.
 _KNOWN_CHILDREN = {
     "mass_balance": frozenset(
         ["ixx", "iyy", "izz", "ixy", "ixz", "iyz", "emptywt", "location", "pointmass", "documentation", "description"]
@@ -153,10 +153,10 @@ def initialised(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> 
 
 
 def _unreadable(aircraft: Aircraft, complaints: Iterable[str]) -> InputError:
-    told = list(dict.fromkeys(" ".join(c.split()) for c in complaints))[:_TOLD] or ["no reason given"]
+    shown = list(dict.fromkeys(" ".join(c.split()) for c in complaints))[:_SHOWN] or ["no reason given"]
     return InputError(
         f"aircraft {aircraft.name}, {aircraft.xml}",
-        found=f"JSBSim does not load it: {' | '.join(told)}",
+        found=f"JSBSim does not load it: {' | '.join(shown)}",
         expected="an aircraft that JSBSim loads without a warning",
         remedy="correct the XML at the place named",
     )
@@ -178,7 +178,7 @@ def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
                 f"aircraft {aircraft.name}, {aircraft.xml}",
                 found=f"{what}: JSBSim holds {_numbers(found)} {unit}",
                 expected=f"{_numbers(claimed)} {unit}, as {aircraft.companion.name} says",
-                remedy="correct the XML (JSBSim passes over an element whose name it does not know) or the "
+                remedy="correct the XML (JSBSim ignores an element whose name it does not know) or the "
                 "companion file; give inertias in SLUG*FT2, JSBSim's own KG*M2 factor is 9e-5 off",
             )
     if aircraft.strict and _log is not None and _log.complaints():
@@ -268,5 +268,5 @@ def _element_error(xml: Path, line: int, tag: str, place: str, known: Iterable[s
         f"aircraft file {xml}, line {line}",
         found=f"<{tag}> as {place}",
         expected=f"one of: {', '.join(names)}",
-        remedy=f"write <{near[0]}>" if near else "rename or remove the element; JSBSim would pass over it",
+        remedy=f"write <{near[0]}>" if near else "rename or remove the element; JSBSim would ignore it",
     )

@@ -28,7 +28,7 @@ from uavftc.errors import InputError
 
 TIMEOUT_S = 120.0
 FRAME_S = 0.005  # the trim does not depend on the rate at which it is flown
-NOMINAL_RAD = 0.35  # deflection at full command of a surface that reports none; a unit, not a claim
+NOMINAL_RAD = 0.35  # stands for the deflection at full command of a surface that reports none
 ALTITUDE_M = 1500.0  # where nothing says otherwise
 SPEEDS_MPS = (15.0, 20.0, 25.0, 30.0, 35.0, 42.0, 51.0, 62.0, 75.0, 90.0, 110.0, 130.0, 155.0, 185.0, 220.0)
 
@@ -38,7 +38,7 @@ class NoTrimError(InputError):
 
 
 class TrimmedModel(NamedTuple):
-    """An aircraft at one trim; SI, radians, deflections u about trim with positive u giving positive own moment."""
+    """An aircraft at one trim; SI, radians, deflections u about trim, positive u for a positive moment."""
 
     trim: dict[str, Any]
     """Fields of `trim.Trim`."""
@@ -58,7 +58,7 @@ class TrimmedModel(NamedTuple):
     throttle_mps2: float
     """Change of u_dot, m/s^2, per unit of throttle."""
     nonlinearity: list[float]
-    """(3,) relative difference of each surface's own response between two step sizes."""
+    """(3,) relative difference of each surface's response about its axis between two step sizes."""
 
     @property
     def A_rates(self) -> np.ndarray:
@@ -81,11 +81,11 @@ def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedMode
         If the aircraft does not load or has no trim there.
     """
     from uavftc.plants.jsbsim.linearise import linearise  # noqa: PLC0415
-    from uavftc.plants.jsbsim.load import inertia, initialised  # noqa: PLC0415 - the parent process does without JSBSim
+    from uavftc.plants.jsbsim.load import inertia, initialised  # noqa: PLC0415 - the parent process does not need JSBSim
     from uavftc.plants.jsbsim.trim import configure, freeze, place, trim_jsbsim, trim_own  # noqa: PLC0415
     from uavftc.plants.jsbsim.units import SLUG_KG  # noqa: PLC0415
 
-    trim, own = None, aircraft.initial
+    trim, default = None, aircraft.initial
     if aircraft.autothrottle is None:  # an aircraft made for this project has its trim solved exactly
         trim = trim_jsbsim(initialised(aircraft, FRAME_S), aircraft, airspeed, altitude)
     fdm = initialised(aircraft, FRAME_S)
@@ -93,10 +93,10 @@ def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedMode
     if trim is None:
         raise NoTrimError(
             f"aircraft {aircraft.name}, trim at {airspeed:g} m/s and {altitude:g} m",
-            found="no steady flight: JSBSim's trim fails, and so does the project's own",
+            found="no steady flight: JSBSim's trim fails, and so does the project's",
             expected="a condition in which surfaces and throttle within their limits bring all accelerations to zero",
             remedy="choose another initial.airspeed_mps or initial.altitude_m"
-            + (f" (the aircraft's own: {own.airspeed_mps:g} m/s, {own.altitude_m:g} m)" if own else ""),
+            + (f" (the aircraft's default: {default.airspeed_mps:g} m/s, {default.altitude_m:g} m)" if default else ""),
         )
     freeze(fdm)
     place(fdm, airspeed=airspeed, altitude=altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
@@ -167,8 +167,8 @@ def _cached(aircraft: Aircraft, checksum: str, speeds: tuple[float, ...], altitu
         if answer["lasting"]:
             _keep(file, answer)
     if "error" in answer:
-        told = dict(answer["error"])
-        raise InputError(told.pop("where"), **told)
+        fields = dict(answer["error"])
+        raise InputError(fields.pop("where"), **fields)
     return tuple(TrimmedModel(**model) for model in answer["models"])
 
 
@@ -210,11 +210,11 @@ def _in_child(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
 
 
 def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
-    told = [line.split("what():")[-1].strip() for line in stderr.splitlines() if "what():" in line]
-    told = told or [line for line in stderr.splitlines()[-1:] if line.strip()]
+    lines = [line.split("what():")[-1].strip() for line in stderr.splitlines() if "what():" in line]
+    lines = lines or [line for line in stderr.splitlines()[-1:] if line.strip()]
     return InputError(
         f"aircraft {aircraft.name}, {aircraft.xml}",
-        found=": ".join([found, *told[:1]]),
+        found=": ".join([found, *lines[:1]]),
         expected="an aircraft that JSBSim loads and runs",
         remedy="look for a name that does not exist or a function that uses itself, in the part you changed last",
     )
@@ -238,12 +238,12 @@ def main(reference: str, altitude: str, *speeds: str) -> None:
     if models or refusal is None:
         print(json.dumps({"models": models, "lasting": True}))
     else:
-        told = {key: getattr(refusal, key) for key in ("where", "found", "expected", "remedy")}
+        fields = {key: getattr(refusal, key) for key in ("where", "found", "expected", "remedy")}
         if len(speeds) > 1 and isinstance(refusal, NoTrimError):
             slow, fast, high = float(speeds[0]), float(speeds[-1]), float(altitude)
-            told["where"] = f"aircraft {aircraft.name}, trim at {slow:g} to {fast:g} m/s and {high:g} m"
-        # what does not load is told with its path, and the next file of the same content has another
-        print(json.dumps({"error": told, "lasting": isinstance(refusal, NoTrimError)}))
+            fields["where"] = f"aircraft {aircraft.name}, trim at {slow:g} to {fast:g} m/s and {high:g} m"
+        # a load error names the path, and another file with the same content has another path
+        print(json.dumps({"error": fields, "lasting": isinstance(refusal, NoTrimError)}))
     sys.stdout.flush()
     os._exit(0)  # some aircraft crash JSBSim as it is taken down
 

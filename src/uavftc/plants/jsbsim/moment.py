@@ -1,7 +1,7 @@
 """A moment input for an aircraft that has none: a copy of its folder with an <external_reactions> moment added.
 
 A disturbance d2 enters as the body moment J d2. JSBSim takes it through an external reaction, which most aircraft do
-not define. The aircraft's own files are never touched; the copy lies in the user's cache under their checksum.
+not define. The aircraft's files are never touched; the copy is in the user's cache under their checksum.
 """
 
 from __future__ import annotations

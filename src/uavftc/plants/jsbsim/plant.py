@@ -1,4 +1,4 @@
-"""JSBSim as a plant: six degrees of freedom, from a trim of its own.
+"""JSBSim as a plant: six degrees of freedom, from a trim.
 
 Order within a sample, at t_k: the state is read into the row, the program runs (controller, actuators), the commands
 are written, and JSBSim runs its frames. JSBSim moves first and computes forces after, so a command written at t_k
@@ -109,7 +109,7 @@ class JSBSimPlant:
         kp = HOLD_BANDWIDTH / model.throttle_mps2 if holds else 0.0
         self.settings["airspeed_hold"] = "aircraft" if aircraft.autothrottle else "bridge" if holds else "none"
         n = len(trim.surfaces)
-        # what JSBSim is given lies in one piece of memory, so that one call unpacks it
+        # everything written to JSBSim is in one piece of memory, so that one call unpacks it
         self._out = np.zeros(n + (bridge.HOLD_STATE.itemsize + bridge.PUSH_STATE.itemsize) // 8)
         commands, rest = self._out[:n].view(bridge.COMMAND_STATE), self._out[n:]
         hold, push = rest[:2].view(bridge.HOLD_STATE), rest[2:].view(bridge.PUSH_STATE)

@@ -3,8 +3,9 @@
 Three ways, tried in this order:
 
 - `jsbsim`: JSBSim's own full trim. It fails where a light propeller needs time to spin up.
-- `own`: the vehicle is frozen in its state (its four integrators switched off) while engines and actuators run, and
-  alpha, elevator, throttle, bank, aileron and rudder are solved for zero accelerations at zero sideslip.
+- `own`, the project's: the vehicle is frozen in its state (its four integrators switched off) while engines and
+  actuators run, and alpha, elevator, throttle, bank, aileron and rudder are solved for zero accelerations at zero
+  sideslip.
 - `glide`: the same for an aircraft without engines, with the flight path angle in place of the throttle.
 """
 
@@ -30,15 +31,15 @@ ACCELERATIONS = (
     "accelerations/pdot-rad_sec2", "accelerations/qdot-rad_sec2", "accelerations/rdot-rad_sec2",
 )  # fmt: skip
 
-SPIN_UP_S = 2.0  # a step of the own solution; long against a propeller's time constant (0.1 s for hale)
+SPIN_UP_S = 2.0  # a step of the project's trim; long against a propeller's time constant (0.1 s for hale)
 SETTLE_S = 5.0  # before a flight; what is left of the spin-up is below rounding
 STARTS = (0.5, 0.1, 0.9)  # throttle to start the solution from, in turn: a stopped propeller has no slope
-TOLERANCE = 1e-6  # m/s^2 and rad/s^2, on each equation of the own solution
+TOLERANCE = 1e-6  # m/s^2 and rad/s^2, on each equation of the project's trim
 JSBSIM_TOLERANCE = 2e-3  # m/s^2 and rad/s^2; JSBSim's own trim stops below 1e-3 ft/s^2 and 1e-4 rad/s^2 or so
 
 
 class Trim(NamedTuple):
-    """A steady straight flight: SI and radians; surface commands in the units of the aircraft's own properties."""
+    """A steady straight flight: SI and radians; surface commands in the units of the aircraft's properties."""
 
     method: str
     """`jsbsim`, `own` or `glide`."""
@@ -170,7 +171,7 @@ def trim_jsbsim(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, alti
 
 
 def trim_own(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim | None:
-    """Return the own trim, with a glide for an aircraft without engines, or None. The FDM is left frozen."""
+    """Return the project's trim, with a glide for an aircraft without engines, or None. The FDM is left frozen."""
     from scipy.optimize import root  # noqa: PLC0415 - 0.1 s that a flight from a known trim need not pay
 
     freeze(fdm)
