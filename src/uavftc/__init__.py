@@ -6,7 +6,8 @@ The names below are imported when they are first used, so that `import uavftc` c
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+
+TYPE_CHECKING = False  # as typing has it; to import that here would be the longest part of `import uavftc`
 
 __version__ = "0.1.0"
 
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from uavftc.scenario.load import scenario_text as scenario_text
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name in _PUBLIC:
         return getattr(importlib.import_module(_PUBLIC[name]), name)
     raise AttributeError(f"module 'uavftc' has no attribute '{name}'")

@@ -1,6 +1,6 @@
 """`python -m uavftc`: the umbrella command."""
 
-from uavftc.cli.app import main
+from uavftc.cli.entry import main
 
 if __name__ == "__main__":
     main()

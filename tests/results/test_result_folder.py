@@ -5,8 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shutil
+import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +18,9 @@ import pytest
 from uavftc.errors import InputError
 from uavftc.results import folder as results
 from uavftc.results import manifest
+from uavftc.results.exchange import exchange
 from uavftc.results.folder import ResultFolder
+from uavftc.results.lock import MARK, Lock
 from uavftc.results.summary import write_json
 
 OURS: dict[str, Any] = {"provenance": {"uavftc": "0.1.0"}}
@@ -47,16 +52,31 @@ def tree(folder: Path) -> dict[str, bytes | None]:
     return {str(p.relative_to(folder)): p.read_bytes() if p.is_file() else None for p in sorted(folder.rglob("*"))}
 
 
-def dead_pid() -> int:
-    with subprocess.Popen([sys.executable, "-c", ""]) as process:
-        process.wait()
-    return process.pid
+DEAD = "0123456789abcdef"
+
+
+def killed(target: Path, role: str = "partial", token: str = DEAD) -> Path:
+    """Return the folder, not made yet, that a killed job into `target` left beside it, known by what it wrote there."""
+    lock = Lock(target).path
+    lock.write_text("\n".join([*(lock.read_text().splitlines() if lock.exists() else [MARK]), token, ""]))
+    return target.with_name(f".{target.name}.{role}-{token}")
+
+
+@pytest.fixture
+def two_renames(monkeypatch):
+    """A system without an exchange of two folders."""
+    monkeypatch.setattr(results, "exchange", lambda one, other: False)
+
+
+def remains(folder: Path) -> list[Path]:
+    return sorted(folder.glob(".run.*"))
 
 
 def test_the_folder_appears_only_when_complete_and_leaves_nothing_else(tmp_path):
     target = tmp_path / "a" / "b" / "run"
     with ResultFolder(target) as folder:
-        assert folder.path == tmp_path / "a" / "b" / f".run.partial-{os.getpid()}"
+        assert folder.path.parent == tmp_path / "a" / "b"
+        assert folder.path.name.startswith(".run.partial-")
         fill(folder.path)
         assert not target.exists()
     assert set(os.listdir(target)) == {"summary.json", "history.parquet", "scenario.yaml", "figures"}
@@ -140,18 +160,73 @@ def test_a_file_that_the_user_deleted_is_no_reason_to_keep_the_rest(tmp_path):
     assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
 
 
-def test_a_file_edited_at_the_very_last_moment_is_not_removed_with_the_old_results(tmp_path, monkeypatch):
+INTRUSIONS = {"scenario.yaml": "name: mine\n", "notes.txt": "mine", "summary.json": "{}"}
+
+
+@pytest.mark.parametrize("way", ["exchange", "two renames"])
+@pytest.mark.parametrize("name", INTRUSIONS)
+def test_what_the_user_writes_at_the_very_last_moment_is_not_removed_and_said(tmp_path, monkeypatch, caplog, way, name):
     fly(tmp_path / "run", run=1)
-    rename = Path.rename
+    refuse = ResultFolder._refuse_what_is_not_ours
 
-    def intrude(self: Path, target: Path) -> Path:
-        if ".partial-" in self.name:
-            (tmp_path / f".run.old-{os.getpid()}" / "scenario.yaml").write_text("name: mine\n")
-        return rename(self, target)
+    def refuse_then_intrude(self: ResultFolder, folder: Path) -> None:
+        refuse(self, folder)
+        if folder != self.target:
+            (folder / name).write_text(INTRUSIONS[name])
 
-    monkeypatch.setattr(Path, "rename", intrude)
+    monkeypatch.setattr(ResultFolder, "_refuse_what_is_not_ours", refuse_then_intrude)
+    if way == "two renames":
+        monkeypatch.setattr(results, "exchange", lambda one, other: False)
     fly(tmp_path / "run", run=2)
-    assert tree(tmp_path / f".run.old-{os.getpid()}") == {"scenario.yaml": b"name: mine\n"}
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    (left,) = remains(tmp_path)
+    kept = tree(left)
+    assert kept[name] == INTRUSIONS[name].encode()
+    if name != "summary.json":  # which stays with it and tells that it was edited
+        assert set(kept) == {name, "summary.json"}
+    fly(tmp_path / "run", run=3)
+    assert tree(left) == kept
+    assert str(left) in caplog.text
+    assert name in caplog.text or name == "summary.json"  # without it all files are strangers; three are named
+
+
+@pytest.mark.parametrize("edit", [b"", b"\n", b'{"a": 1}'])
+def test_an_edited_summary_is_the_users(tmp_path, edit):
+    with ResultFolder(tmp_path / "run") as folder:
+        (folder.path / "history.parquet").write_bytes(b"h")
+        folder.write_summary(OURS | {"run": 1, "note": "flown", "timing": {"flight_wall_s": 0.1}})
+    summary = tmp_path / "run" / "summary.json"
+    before = summary.read_bytes()
+    ResultFolder(tmp_path / "run").check()
+    summary.write_bytes(before.replace(b"flown", b"good") if edit == b"" else before + edit)
+    with pytest.raises(InputError, match=r"summary\.json"):
+        ResultFolder(tmp_path / "run").check()
+    manifest.remove_ours(tmp_path / "run")
+    assert summary.exists()
+
+
+def test_the_checksum_of_a_summary_leaves_out_what_differs_between_two_runs(tmp_path):
+    def written(wall_s: float) -> str:
+        with ResultFolder(tmp_path / "run") as folder:
+            flights = [{"timing": {"flight_wall_s": wall_s}, "wall_s": wall_s, "iae": 1.0}]
+            return str(folder.write_summary(OURS | {"combinations": flights})["summary_sha256"])
+
+    assert written(0.1) == written(0.2)
+
+
+@pytest.mark.parametrize("inside", ["scenario.yaml", "figures/scenario.yaml"])
+def test_a_folder_that_holds_what_is_flown_is_not_replaced(tmp_path, inside):
+    with ResultFolder(tmp_path / "run") as folder:
+        for name in ("scenario.yaml", inside):
+            (folder.path / name).parent.mkdir(exist_ok=True)
+            (folder.path / name).write_text("name: flown\n")
+        folder.write_summary(OURS)
+    before = tree(tmp_path)
+    with pytest.raises(InputError, match="which is to be flown, inside it") as refused:
+        ResultFolder(tmp_path / "run", [tmp_path / "run" / inside]).check()
+    assert "copy the file" in refused.value.remedy
+    assert tree(tmp_path) == before
+    ResultFolder(tmp_path / "run", [tmp_path / "runner" / "scenario.yaml"]).check()
 
 
 FIRST_VERSIONS: dict[str, tuple[list[str], dict[str, Any]]] = {
@@ -335,21 +410,6 @@ def test_a_file_put_in_between_the_look_and_the_move_is_safe(tmp_path, monkeypat
     assert os.listdir(tmp_path) == ["run"]
 
 
-def test_a_file_put_in_at_the_very_last_moment_is_not_removed_with_the_old_results(tmp_path, monkeypatch):
-    fly(tmp_path / "run", run=1)
-    rename = Path.rename
-
-    def intrude(self: Path, target: Path) -> Path:
-        if ".partial-" in self.name:
-            (tmp_path / f".run.old-{os.getpid()}" / "notes.txt").write_text("mine")
-        return rename(self, target)
-
-    monkeypatch.setattr(Path, "rename", intrude)
-    fly(tmp_path / "run", run=2)
-    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
-    assert tree(tmp_path / f".run.old-{os.getpid()}") == {"notes.txt": b"mine"}
-
-
 def test_a_mount_point_is_refused_because_it_cannot_be_renamed(tmp_path, monkeypatch):
     (tmp_path / "out").mkdir()
     monkeypatch.setattr(os.path, "ismount", lambda path: Path(path) == tmp_path / "out")
@@ -358,7 +418,7 @@ def test_a_mount_point_is_refused_because_it_cannot_be_renamed(tmp_path, monkeyp
     ResultFolder(tmp_path / "out" / "run").check()  # the remedy it names
 
 
-def test_the_old_folder_comes_back_if_the_new_one_cannot_be_moved_in(tmp_path, monkeypatch):
+def test_the_old_folder_comes_back_if_the_new_one_cannot_be_moved_in(tmp_path, monkeypatch, two_renames):
     fly(tmp_path / "run", run=1)
     before = tree(tmp_path)
     rename = Path.rename
@@ -375,49 +435,176 @@ def test_the_old_folder_comes_back_if_the_new_one_cannot_be_moved_in(tmp_path, m
 
 
 def test_what_a_killed_flight_left_is_removed_but_not_what_others_need(tmp_path):
-    dead = dead_pid()
-    fill(tmp_path / f".run.partial-{dead}")
-    alive = tmp_path / f".run.partial-{os.getppid()}"
-    other = tmp_path / f".run2.partial-{dead}"
-    for folder in (alive, other):
-        fill(folder)
+    fill(killed(tmp_path / "run"))
+    other = killed(tmp_path / "run2")
+    fill(other)
     fly(tmp_path / "run")
-    assert sorted(os.listdir(tmp_path)) == sorted(["run", alive.name, other.name])
-    assert (alive / "summary.json").exists()
+    assert sorted(os.listdir(tmp_path)) == sorted(["run", other.name, ".run2.uavftc"])
+    assert (other / "summary.json").exists()
 
 
-def test_a_foreign_file_in_what_a_killed_flight_left_is_safe(tmp_path):
-    stale = tmp_path / f".run.partial-{dead_pid()}"
+def test_a_foreign_file_in_what_a_killed_flight_left_is_safe_and_said(tmp_path, caplog):
+    stale = killed(tmp_path / "run")
     fill(stale)
     (stale / "notes.txt").write_text("mine")
     fly(tmp_path / "run")
-    assert tree(stale) == {"notes.txt": b"mine"}
+    assert set(tree(stale)) == {"notes.txt", "summary.json"}
+    assert f"{stale} stays, with notes.txt" in caplog.text
 
 
-def test_a_partial_folder_with_our_own_number_is_a_dead_ones(tmp_path):
-    fill(tmp_path / f".run.partial-{os.getpid()}", run=1)  # in a container, every process may be number 7
+NAMED_LIKE_OURS = [
+    ".run.partial-99999", ".run.old-99998", ".run.partial-fedcba9876543210", ".run.old-fedcba9876543210", ".run.lock"
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMED_LIKE_OURS)
+@pytest.mark.parametrize("kind", ["empty folder", "results", "file"])
+def test_what_is_only_named_like_ours_is_not_touched(tmp_path, name, kind):
+    # nothing says that a job made it: the number of a dead process, or a token that no lock holds
+    fly(tmp_path / "run")
+    path = tmp_path / name
+    if kind == "results":
+        fill(path)
+    elif kind == "file":
+        path.write_text("mine")
+    else:
+        path.mkdir()
+    before = tree(path), path.is_file() and path.read_text()
     fly(tmp_path / "run", run=2)
-    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    assert (tree(path), path.is_file() and path.read_text()) == before
 
 
-def test_two_flights_of_one_process_into_one_folder_are_a_mistake(tmp_path):
+def test_a_file_of_the_users_with_the_name_of_the_lock_is_refused_and_stays(tmp_path):
+    (tmp_path / ".run.uavftc").write_text("mine")
+    with pytest.raises(InputError, match=r"\.run\.uavftc, which uavftc did not write"):
+        fly(tmp_path / "run")
+    assert tree(tmp_path) == {".run.uavftc": b"mine"}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes")
+def test_a_pipe_with_the_name_of_the_lock_is_refused_and_nobody_waits_for_it(tmp_path):
+    os.mkfifo(tmp_path / ".run.uavftc")
+    with pytest.raises(InputError, match="did not write"):
+        fly(tmp_path / "run")
+
+
+def test_two_jobs_do_not_write_to_one_folder_at_a_time(tmp_path):
     with ResultFolder(tmp_path / "run") as folder:
-        with pytest.raises(RuntimeError, match="two flights"):
+        before = tree(tmp_path)
+        with pytest.raises(InputError, match="another uavftc that is writing to it") as refused:
             ResultFolder(tmp_path / "run").open()
+        assert "wait" in refused.value.remedy
+        assert tree(tmp_path) == before
         fill(folder.path)
     assert (tmp_path / "run" / "summary.json").exists()
+    fly(tmp_path / "run", run=2)
+
+
+WAITS = (
+    "import sys; from pathlib import Path; from uavftc.results.folder import ResultFolder\n"
+    "ResultFolder(Path(sys.argv[1])).open(); print('open', flush=True); sys.stdin.read()"
+)
+
+
+def in_a_container(*command: str) -> list[str]:
+    """Return a command that runs with process numbers of its own; skip where that is not permitted."""
+    unshare = ["unshare", "--pid", "--fork", "--mount-proc"]
+    if (
+        shutil.which("unshare") is None
+        or subprocess.run([*unshare, "true"], check=False, capture_output=True).returncode
+    ):
+        pytest.skip("no process namespaces here")
+    return [*unshare, *command]
+
+
+def test_a_job_in_another_container_is_not_taken_for_dead(tmp_path):
+    command = in_a_container(sys.executable, "-c", WAITS, str(tmp_path / "run"))
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == b"open\n"
+        before = tree(tmp_path)
+        with pytest.raises(InputError, match="another uavftc"):
+            fly(tmp_path / "run")
+        assert tree(tmp_path) == before
+        other.communicate()
+    fly(tmp_path / "run", run=2)  # it ended without a word, and its folder is cleared away
+    assert os.listdir(tmp_path) == ["run"]
+
+
+def test_old_files_that_cannot_be_removed_are_said(tmp_path, monkeypatch, caplog):
+    fly(tmp_path / "run", run=1)
+    unlink = Path.unlink
+
+    def immutable(self: Path, missing_ok: bool = False) -> None:  # as after chattr +i
+        if self.name == "history.parquet":
+            raise PermissionError(1, "Operation not permitted", str(self))
+        unlink(self, missing_ok=missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", immutable)
+    fly(tmp_path / "run", run=2)
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    (left,) = remains(tmp_path)
+    assert f"{left} stays, with history.parquet" in caplog.text
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.parametrize("way", ["exchange", "two renames"])
+def test_ctrl_c_within_the_commit_waits_for_its_end(tmp_path, monkeypatch, way):
+    fly(tmp_path / "run", run=1)
+    seen = []
+
+    def interrupted(one: Path, other: Path) -> bool:
+        os.kill(os.getpid(), signal.SIGINT)
+        seen.append((tmp_path / "run" / "summary.json").exists())
+        done = way == "exchange" and exchange(one, other)
+        os.kill(os.getpid(), signal.SIGINT)
+        return done
+
+    monkeypatch.setattr(results, "exchange", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        fly(tmp_path / "run", run=2)
+    assert seen == [True]
+    assert b'"run": 2' in (tmp_path / "run" / "summary.json").read_bytes()
+    assert os.listdir(tmp_path) == ["run"]
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="renameat2")
+def test_the_target_is_there_at_every_moment_of_the_commit(tmp_path):
+    # looked at from a thread while the folder is replaced again and again: one exchange, so never a gap
+    fly(tmp_path / "run", run=0)
+    (tmp_path / "other").mkdir()
+    if not exchange(tmp_path / "run", tmp_path / "other"):
+        pytest.skip("no exchange on this file system")
+    exchange(tmp_path / "run", tmp_path / "other")
+    gaps, over = [], threading.Event()
+
+    def watch() -> None:
+        while not over.is_set():
+            try:
+                os.stat(tmp_path / "run" / "summary.json")
+            except FileNotFoundError:
+                gaps.append(1)
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    for run in range(50):
+        fly(tmp_path / "run", run=run)
+    over.set()
+    watcher.join()
+    assert gaps == []
 
 
 def test_a_link_in_place_of_what_a_killed_flight_left_is_not_followed(tmp_path):
     fly(tmp_path / "kept")
     before = tree(tmp_path / "kept")
-    (tmp_path / f".run.partial-{dead_pid()}").symlink_to(tmp_path / "kept")
+    killed(tmp_path / "run").symlink_to(tmp_path / "kept")
+    killed(tmp_path / "run", "old", "1" * 16).symlink_to(tmp_path / "kept")
     fly(tmp_path / "run")
     assert tree(tmp_path / "kept") == before
 
 
 def test_what_a_killed_job_left_without_a_summary_is_removed(tmp_path):
-    stale = tmp_path / f".run.partial-{dead_pid()}"
+    stale = killed(tmp_path / "run")
     (stale / "histories").mkdir(parents=True)
     for name in ("history.parquet", "comparison.csv", "histories/analytic-mine.parquet"):
         (stale / name).write_bytes(b"half")
@@ -426,7 +613,7 @@ def test_what_a_killed_job_left_without_a_summary_is_removed(tmp_path):
 
 
 def test_a_kill_between_the_two_moves_is_put_right_by_the_next_flight(tmp_path):
-    fill(tmp_path / f".run.old-{dead_pid()}", run=1)
+    fill(killed(tmp_path / "run", "old"), run=1)
     folder = ResultFolder(tmp_path / "run")
     folder.open()
     assert b'"run": 1' in (tmp_path / "run" / "summary.json").read_bytes()  # back, even if this flight fails
@@ -445,7 +632,7 @@ def test_a_kill_during_the_flight_leaves_the_old_results(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "run")], check=False)
     assert done.returncode != 0
-    assert len(os.listdir(tmp_path)) == 2
+    assert len(remains(tmp_path)) == 2  # what it had written, and the lock that says whose it is
     assert b'"run": 1' in (tmp_path / "run" / "summary.json").read_bytes()
     fly(tmp_path / "run", run=2)
     assert os.listdir(tmp_path) == ["run"]

@@ -44,11 +44,10 @@ def bench(
     if as_json:
         print(json.dumps(document, indent=2, allow_nan=False))
         return
-    from rich.console import Console  # noqa: PLC0415
-
     from uavftc.jobs.bench.table import print_figures  # noqa: PLC0415
+    from uavftc.report.console import Terminal  # noqa: PLC0415
 
-    print_figures(Console(highlight=False), document)
+    print_figures(Terminal(), document)
 
 
 def _check(name: str, known: list[str]) -> None:

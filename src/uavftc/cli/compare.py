@@ -10,7 +10,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from uavftc.cli.outcome import LOST
+from uavftc.cli.outcome import LOST, UNEXPECTED
 
 
 def compare(
@@ -50,6 +50,7 @@ def compare(
     from uavftc.jobs.compare import compare as fly_and_compare  # noqa: PLC0415
     from uavftc.jobs.compare import load_combinations  # noqa: PLC0415
     from uavftc.report.progress import progress  # noqa: PLC0415
+    from uavftc.scenario.load import find_scenario  # noqa: PLC0415
 
     loaded = load_combinations(
         scenario, plants=plants, controllers=controllers, aircraft=aircraft, overrides=overrides or ()
@@ -58,17 +59,26 @@ def compare(
     folder = out if out is not None else default_folder(first.name, aircraft)
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
-    document = fly_and_compare(loaded, folder, figures=not no_plots, progress=functools.partial(progress, quiet=quiet))
+    document = fly_and_compare(
+        loaded,
+        folder,
+        figures=not no_plots,
+        progress=functools.partial(progress, quiet=quiet),
+        inputs=[find_scenario(scenario)],
+    )
     if as_json:
-        print(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        print(json.dumps(document, indent=2, allow_nan=False))
     if not quiet:
-        from rich.console import Console  # noqa: PLC0415
-
+        from uavftc.report.console import Terminal  # noqa: PLC0415
         from uavftc.report.side_by_side import print_comparison  # noqa: PLC0415
 
-        print_comparison(Console(stderr=as_json), document, folder)
+        print_comparison(Terminal(stderr=as_json), document, folder)
+    if "figures_missing" in document:
+        print(f"error: {folder} has no figures: {document['figures_missing']}", file=sys.stderr)
     if not document["completed"]:
         raise typer.Exit(LOST)
+    if "figures_missing" in document:
+        raise typer.Exit(UNEXPECTED)
 
 
 def default_folder(scenario: str, aircraft: str | None) -> Path:

@@ -96,11 +96,10 @@ def design(
     if as_json:
         print(json.dumps(document, indent=2, allow_nan=False))
         return
-    from rich.console import Console  # noqa: PLC0415
-
+    from uavftc.report.console import Terminal  # noqa: PLC0415
     from uavftc.report.design_text import print_design  # noqa: PLC0415
 
-    print_design(Console(highlight=False), document)
+    print_design(Terminal(), document)
     if figure is not None:
         print(f"figure: {figure}")
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from uavftc.cli.outcome import INTERRUPTED, LOST
+from uavftc.cli.outcome import INTERRUPTED, LOST, UNEXPECTED
 
 if TYPE_CHECKING:
     from uavftc.scenario.schema import Scenario
@@ -45,9 +45,10 @@ def fly(
     """Fly SCENARIO and write table, history and figures of the flight.
 
     Exit code 0: flown to the end. 2: the input is wrong, nothing is written. 3: the vehicle was lost, the flight up
-    to there is written. 130: Ctrl-C, the flight up to there is written.
+    to there is written. 130: Ctrl-C, the flight up to there is written. 1: anything else, as a full disk, in one line;
+    where there is room for the flight without its figures it is kept.
     """
-    from uavftc.scenario.load import load_scenario  # noqa: PLC0415 - what a bad option does not need is not imported
+    from uavftc.scenario.load import find_scenario, load_scenario  # noqa: PLC0415 - not needed for a bad option
 
     loaded = load_scenario(scenario, overrides=overrides or (), plant=plant, aircraft=aircraft, controller=controller)
     folder = out if out is not None else default_folder(loaded, named_aircraft=aircraft is not None)
@@ -59,18 +60,25 @@ def fly(
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     document, outcome = fly_mission(
-        loaded, folder, figures=not no_plots, progress=functools.partial(progress, quiet=quiet)
+        loaded,
+        folder,
+        figures=not no_plots,
+        progress=functools.partial(progress, quiet=quiet),
+        inputs=[find_scenario(scenario)],
     )
     if not quiet:
-        from rich.console import Console  # noqa: PLC0415
-
+        from uavftc.report.console import Terminal  # noqa: PLC0415
         from uavftc.report.table import print_result  # noqa: PLC0415
 
-        print_result(Console(), document, folder)
+        print_result(Terminal(), document, folder)
+    if "figures_missing" in document:
+        print(f"error: {folder} has no figures: {document['figures_missing']}", file=sys.stderr)
     if outcome.interrupted:
         raise typer.Exit(INTERRUPTED)
     if not outcome.completed:
         raise typer.Exit(LOST)
+    if "figures_missing" in document:
+        raise typer.Exit(UNEXPECTED)
 
 
 def default_folder(scenario: Scenario, *, named_aircraft: bool) -> Path:

@@ -10,17 +10,19 @@ from typing import ParamSpec
 
 import typer
 
+from uavftc.cli import interrupt
+from uavftc.cli.interrupt import INTERRUPTED
 from uavftc.errors import InputError
 
+UNEXPECTED = 1
 WRONG_INPUT = 2
 LOST = 3
-INTERRUPTED = 130  # 128 + SIGINT, the shell's convention
 
 P = ParamSpec("P")
 
 
 def exit_codes(command: Callable[P, None]) -> Callable[P, None]:
-    """Turn wrong input and Ctrl-C, wherever a command raises them, into a message and an exit code.
+    """Turn wrong input, Ctrl-C and what the system refuses, from wherever a command raises it, into line and code.
 
     Anything else that is raised is a bug of ours: it leaves a traceback and exit code 1.
     """
@@ -28,16 +30,51 @@ def exit_codes(command: Callable[P, None]) -> Callable[P, None]:
     @functools.wraps(command)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
-            command(*args, **kwargs)
-            sys.stdout.flush()
+            with interrupt.raising():
+                _require_working_folder()
+                command(*args, **kwargs)
+            if sys.stdout is not None:
+                sys.stdout.flush()
         except InputError as error:
-            print(f"error: {error}", file=sys.stderr)
+            _say(f"error: {error}")
             raise typer.Exit(WRONG_INPUT) from None
         except KeyboardInterrupt:
-            print("interrupted", file=sys.stderr)
+            _say("interrupted")
             raise typer.Exit(INTERRUPTED) from None
-        except BrokenPipeError:  # the reader of our output has gone, as in `uavftc-fly ... | head`
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        except typer.Exit:
+            raise
+        except BrokenPipeError:  # the reader of our output has gone, where it is not `streams` that sees to it
             raise typer.Exit(0) from None
+        except Exception as error:
+            if interrupt.was_seen():  # a library made something else of it
+                _say("interrupted")
+                raise typer.Exit(INTERRUPTED) from None
+            if not isinstance(error, (OSError, MemoryError)):
+                raise
+            _say(f"error: {_in_one_line(error)}; nothing was written")
+            raise typer.Exit(UNEXPECTED) from None
 
     return guarded
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
+def _in_one_line(error: OSError | MemoryError) -> str:
+    if isinstance(error, MemoryError):
+        return "not enough memory"
+    text = error.strerror or str(error) or type(error).__name__
+    return " ".join((f"{text}: {error.filename}" if error.filename else text).split())
+
+
+def _require_working_folder() -> None:
+    try:
+        os.getcwd()
+    except OSError:
+        raise InputError(
+            "the working folder",
+            found="it was deleted",
+            expected="a folder that is there",
+            remedy="go to another one (cd), and try again",
+        ) from None

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uavftc.cli.outcome import UNEXPECTED
 from uavftc.errors import InputError
+
+if TYPE_CHECKING:
+    from uavftc.jobs.paper.reproduction import Reproduction
 
 _PLANTS = {"analytic": ("analytic",), "jsbsim": ("jsbsim",), "both": ("analytic", "jsbsim")}
 
@@ -28,18 +32,22 @@ def reproduce(
             f"--plant {plant}", found=f"'{plant}'", expected="analytic, jsbsim or both", remedy="choose one of them"
         )
     from uavftc.core.stage import is_compiled  # noqa: PLC0415
-    from uavftc.jobs.paper.reproduction import Reproduction  # noqa: PLC0415
     from uavftc.jobs.paper.reproduction import reproduce as run  # noqa: PLC0415
     from uavftc.report.progress import stages  # noqa: PLC0415
 
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     with stages(quiet=quiet) as advance:
-        result: Reproduction = run(_PLANTS[plant], out, figures=not no_plots, advance=advance)
-    if quiet:
-        return
-    from rich.console import Console  # noqa: PLC0415
+        result = run(_PLANTS[plant], out, figures=not no_plots, advance=advance)
+    if not quiet:
+        _print(result, out)
+    if result.figures_missing is not None:
+        print(f"error: {out} has no figures: {result.figures_missing}", file=sys.stderr)
+        raise typer.Exit(UNEXPECTED)
 
+
+def _print(result: Reproduction, out: Path) -> None:
     from uavftc.jobs.paper.terminal import print_reproduction  # noqa: PLC0415
+    from uavftc.report.console import Terminal  # noqa: PLC0415
 
-    print_reproduction(Console(), result, out)
+    print_reproduction(Terminal(), result, out)

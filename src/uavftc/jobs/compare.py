@@ -75,7 +75,12 @@ def load_combinations(
 
 
 def compare(
-    scenarios: Mapping[Key, Scenario], out: Path, *, figures: bool = True, progress: Progress | None = None
+    scenarios: Mapping[Key, Scenario],
+    out: Path,
+    *,
+    figures: bool = True,
+    progress: Progress | None = None,
+    inputs: Sequence[Path] = (),
 ) -> dict[str, Any]:
     """Fly all combinations and write the result folder of the comparison, whole or not at all.
 
@@ -91,10 +96,12 @@ def compare(
         Whether to draw the figures.
     progress
         Shown while flying.
+    inputs
+        Files that the scenario came from; a folder that holds one of them is not replaced.
 
     Returns
     -------
-    The document of `summary.json`.
+    The document of `summary.json`; with `figures_missing`, the reason, where there was no room for figures.
 
     Raises
     ------
@@ -103,16 +110,14 @@ def compare(
     KeyboardInterrupt
         On Ctrl-C; nothing is written then.
     """
-    folder = ResultFolder(out)
-    folder.check()
     flown: dict[Key, FlightResult] = {}
-    with nullcontext(None) if progress is None else progress(len(scenarios)) as advance:
-        for key, scenario in scenarios.items():
-            flown[key] = fly_one(scenario)
-            if advance is not None:
-                advance(len(flown))
-    document = document_of(flown)
-    with folder:
+    with ResultFolder(out, inputs) as folder:  # from the start, so that two jobs do not fly for one folder
+        with nullcontext(None) if progress is None else progress(len(scenarios)) as advance:
+            for key, scenario in scenarios.items():
+                flown[key] = fly_one(scenario)
+                if advance is not None:
+                    advance(len(flown))
+        document = document_of(flown)
         for name, text in (
             ("comparison.md", markdown(document)),
             ("comparison.csv", tidy_csv(document)),
@@ -123,7 +128,9 @@ def compare(
         for (plant, controller), result in flown.items():
             result.write_history(folder.path / "histories" / f"{plant}-{controller}.parquet")
         if figures:
-            draw(folder.path / "figures", flown, title_of(document))
+            missing = folder.figures(lambda path: draw(path, flown, title_of(document)))
+            if missing is not None:
+                document["figures_missing"] = missing
         return folder.write_summary(document)
 
 
@@ -160,7 +167,10 @@ def distances(flown: Mapping[Key, FlightResult]) -> list[dict[str, Any]]:
 
 def draw(folder: Path, flown: Mapping[Key, FlightResult], title: str) -> None:
     """Draw the figures of all flights into `folder`."""
-    from uavftc.report.overlays import write_overlays  # noqa: PLC0415 - matplotlib takes most of a second
+    from uavftc.report.backend import load_matplotlib  # noqa: PLC0415 - matplotlib takes most of a second
+
+    load_matplotlib()
+    from uavftc.report.overlays import write_overlays  # noqa: PLC0415
 
     context = replace(next(iter(flown.values())).figure_context(), title=title)
     write_overlays(folder, {key: result.history for key, result in flown.items() if result.history}, context)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
 import signal
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from uavftc.flight.trusted import TrustedRange
 from uavftc.results.flight import FlightResult, metadata_of, origin_of
 from uavftc.results.folder import ResultFolder
 from uavftc.results.history import ParquetRecorder, read_history
+from uavftc.results.hold import Hold
 from uavftc.scenario.load import scenario_text
 from uavftc.scenario.schema import Scenario
 
@@ -25,12 +24,17 @@ Progress = Callable[[int], AbstractContextManager[Callable[[int], None]]]
 
 
 def fly_mission(
-    scenario: Scenario, out: Path, *, figures: bool = True, progress: Progress | None = None
+    scenario: Scenario,
+    out: Path,
+    *,
+    figures: bool = True,
+    progress: Progress | None = None,
+    inputs: Sequence[Path] = (),
 ) -> tuple[dict[str, Any], Outcome]:
     """Fly a scenario and write its result folder, whole or not at all.
 
-    Ctrl-C ends the flight between two slices, and what was flown is written; a second one acts at once, and nothing
-    is written.
+    Ctrl-C ends the flight between two slices, and what was flown is written; a second one while it flies acts at once,
+    and nothing is written. Once it is flown, Ctrl-C loses nothing but the figures.
 
     Parameters
     ----------
@@ -42,69 +46,72 @@ def fly_mission(
         Whether to draw the figures.
     progress
         Shown while flying.
+    inputs
+        Files that the scenario came from; a folder that holds one of them is not replaced.
 
     Returns
     -------
-    The document of `summary.json`, and how the flight ended.
+    The document of `summary.json`, and how the flight ended. The document has `figures_missing`, the reason, where
+    there was no room for the figures.
 
     Raises
     ------
     InputError
         If the aircraft cannot be flown or the folder cannot be written; nothing is written then.
     """
-    folder = ResultFolder(out)
+    folder = ResultFolder(out, inputs)
     folder.check()
     flight = build_flight(scenario)
     origin = origin_of(flight)
     metadata, metrics = metadata_of(flight.scenario, origin), Metrics()
     trusted = TrustedRange(flight.aircraft.trusted)
-    with folder:
-        history = folder.path / "history.parquet"
-        with (
-            ParquetRecorder(history, metadata) as parquet,
-            nullcontext(None) if progress is None else progress(flight.steps + 1) as advance,
-            _ctrl_c() as stopped,
-        ):
-            outcome = fly(flight, [parquet, metrics, trusted], advance, stop=stopped)
-        axes = metrics.axes(completed=outcome.completed)
-        result = FlightResult(flight.scenario, outcome, axes, None, origin, trusted.remarks())
-        (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
-        document = result.summary()
-        if figures:
-            try:
-                draw(folder.path / "figures", history, result)
-            except KeyboardInterrupt:  # the flight is kept, without its figures
-                shutil.rmtree(folder.path / "figures", ignore_errors=True)
-                outcome = outcome._replace(interrupted=True)
-                document["warnings"].append("interrupted while drawing: the flight is kept, without its figures")
-        document = folder.write_summary(document)
+    with Hold(signal.SIGINT) as hold:
+        with folder:
+            history = folder.path / "history.parquet"
+            with (
+                ParquetRecorder(history, metadata) as parquet,
+                nullcontext(None) if progress is None else progress(flight.steps + 1) as advance,
+                hold.second_acts() as stopped,
+            ):
+                outcome = fly(flight, [parquet, metrics, trusted], advance, stop=stopped)
+            if outcome.interrupted:
+                hold.take()
+            axes = metrics.axes(completed=outcome.completed)
+            result = FlightResult(flight.scenario, outcome, axes, None, origin, trusted.remarks())
+            (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
+            document = result.summary()
+            if figures:
+                _draw(folder, history, result, document, hold)
+            document = folder.write_summary(document)
+        if hold.take():  # after the flight, or in the drawing
+            outcome = outcome._replace(interrupted=True)
     return document, outcome
+
+
+def _draw(folder: ResultFolder, history: Path, result: FlightResult, document: dict[str, Any], hold: Hold) -> None:
+    """Draw the figures; on Ctrl-C, or where there is no room for them, keep the flight without them and say so."""
+    kept = "the flight is kept, without its figures"
+
+    def draw_now(into: Path) -> None:
+        with hold.first_acts():
+            draw(into, history, result)
+
+    try:
+        missing = folder.figures(draw_now)
+    except KeyboardInterrupt:
+        hold.note_again()
+        document["warnings"].append(f"interrupted while drawing: {kept}")
+        return
+    if missing is not None:
+        document["figures_missing"] = missing
+        document["warnings"].append(f"no room for the figures ({missing}): {kept}")
 
 
 def draw(folder: Path, history: Path, result: FlightResult) -> None:
     """Draw the figures of a flight, whose history is in a file, into `folder`."""
-    from uavftc.report.figures import write_figures  # noqa: PLC0415 - matplotlib takes most of a second
+    from uavftc.report.backend import load_matplotlib  # noqa: PLC0415 - matplotlib takes most of a second
+
+    load_matplotlib()
+    from uavftc.report.figures import write_figures  # noqa: PLC0415
 
     write_figures(folder, read_history(history), result.figure_context())
-
-
-@contextmanager
-def _ctrl_c() -> Iterator[Callable[[], bool]]:
-    """Yield a function that says whether Ctrl-C was pressed; the first one does nothing else.
-
-    A second Ctrl-C acts at once. Off the main thread Python delivers no signals, and the answer stays no.
-    """
-    stopped = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield stopped.is_set
-        return
-
-    def stop(_signal: int, _frame: object) -> None:
-        stopped.set()
-        signal.signal(signal.SIGINT, before)
-
-    before = signal.signal(signal.SIGINT, stop)
-    try:
-        yield stopped.is_set
-    finally:
-        signal.signal(signal.SIGINT, before)

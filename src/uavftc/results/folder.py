@@ -1,20 +1,23 @@
-"""The result folder of a flight or of another job: written whole or not at all; no file of the user is ever lost.
+"""The result folder of a flight or of another job: written whole or not at all, and nothing of the user's is lost.
 
-The results are written into a hidden sibling, `.<name>.partial-<pid>`, which takes the folder's place by renaming only
-once it is complete. An older folder is replaced only if it is ours: a `summary.json` of ours, and no other files than
-those it lists, as they were written (`results.manifest`). Old results are removed file by file, by that list, so that
-a file which is not ours, or was edited, cannot be removed, whenever it appears.
+The results are written into a hidden sibling, `.<name>.partial-<token>`, which takes the folder's place once it is
+complete. An older folder is replaced only if it is ours: a `summary.json` of ours, and no other files than those it
+lists, as they were written (`results.manifest`). Old results are removed file by file, by that list, so that a file
+which is not ours, or was edited, cannot be removed, whenever it appears.
 
-A kill between the two renames leaves the old folder as `.<name>.old-<pid>`; the next job into the folder puts it
-back.
+One job at a time writes to a folder (`results.lock`). Old and new folder change places in one step
+(`results.exchange`); where the system cannot do that, by two renames, the old folder being `.<name>.old-<token>` for a
+moment, and what a kill between the two leaves there the next job puts back. Signals wait until that is done
+(`results.hold`). What could not be removed is said on the logger `uavftc`: on standard error, unless set otherwise.
 """
 
 from __future__ import annotations
 
+import errno
+import logging
 import os
-import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -22,9 +25,15 @@ from typing import Any
 
 from uavftc.errors import InputError
 from uavftc.results import manifest
+from uavftc.results.exchange import exchange
+from uavftc.results.hold import Hold
+from uavftc.results.lock import Lock, NotOursError, TakenError
 from uavftc.results.summary import write_json
 
-_open_here: set[Path] = set()  # partial folders of this process, so that no other flight in it takes them for stale
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""No room: the disk's, the user's share of it, or the size that a file may have (`ulimit -f`)."""
+
+_log = logging.getLogger("uavftc")
 
 
 class ResultFolder:
@@ -36,12 +45,18 @@ class ResultFolder:
     ----------
     target
         The folder to be; a symbolic link is followed.
+    inputs
+        Files that the results are made from; a folder that holds one of them is not replaced.
     """
 
-    def __init__(self, target: Path) -> None:
+    def __init__(self, target: Path, inputs: Sequence[Path] = ()) -> None:
         self.target = Path(os.path.realpath(target))
         self._shown = str(target)
-        self.path = self._sibling("partial", os.getpid())
+        self._inputs = [Path(os.path.realpath(file)) for file in inputs]
+        self._lock = Lock(self.target)
+        self.path = self._sibling("partial", self._lock.token)
+        self._old = self._sibling("old", self._lock.token)
+        self._made: os.stat_result | None = None  # of the folder made here, wherever it stands
         self._created: list[Path] = []
 
     def check(self) -> None:
@@ -50,8 +65,8 @@ class ResultFolder:
         Raises
         ------
         InputError
-            If the target is a file, a folder that is not ours or holds a file that the user added or edited, a mount
-            point or the working folder, or if it cannot be written there.
+            If the target is a file, a folder that is not ours holds a file that the user added or edited, or one of the
+            inputs, a mount point or the working folder, or if it cannot be written there.
         """
         target = self.target
         if os.path.lexists(target):
@@ -64,6 +79,13 @@ class ResultFolder:
                     f"name a folder inside it: --out {os.path.join(self._shown, 'NAME')}",
                 )
             self._refuse_what_is_not_ours(target)
+            for file in self._inputs:
+                if target in file.parents:
+                    raise self._error(
+                        f"{file.relative_to(target)}, which is to be flown, inside it",
+                        "a folder that holds nothing that is still needed",
+                        "name another folder with --out, or copy the file out of it and fly the copy",
+                    )
             self._require_writable(target)
         parent = target.parent
         while not os.path.lexists(parent) and parent != parent.parent:
@@ -76,22 +98,43 @@ class ResultFolder:
         Raises
         ------
         InputError
-            As `check`, or if the folder cannot be created.
+            As `check`, or if the folder cannot be created, or if another job writes to it.
+        OSError
+            If there is no room for it.
         """
         self.check()
-        if self.path in _open_here:
-            raise RuntimeError(f"two flights of one process write to {self.target}")
-        try:
-            missing = [p for p in self.target.parents if not p.exists()]
-            for parent in reversed(missing):
-                parent.mkdir(exist_ok=True)
-                self._created.append(parent)
-            self._clean_up_after_the_dead()
-            self.path.mkdir()
-        except OSError as error:
-            self._remove_created()
-            raise self._error(str(error), "a place that can be written", "name another folder with --out") from error
-        _open_here.add(self.path)
+        if self._lock.held:
+            raise RuntimeError(f"opened twice: {self.target}")
+        with Hold():
+            try:
+                for parent in reversed([p for p in self.target.parents if not p.exists()]):
+                    parent.mkdir(exist_ok=True)
+                    self._created.append(parent)
+                for token in self._lock.take():
+                    self._clean_up_after(token)
+                self.path.mkdir()
+                self._made = self.path.stat()
+            except TakenError:
+                raise self._error(
+                    "another uavftc that is writing to it just now",
+                    "one job at a time",
+                    "wait until it has ended, or name another folder with --out",
+                ) from None
+            except NotOursError:
+                raise self._error(
+                    f"{self._lock.path}, which uavftc did not write and needs while it writes to this folder",
+                    "that name to be free",
+                    f"move {self._lock.path.name} elsewhere, or name another folder with --out",
+                ) from None
+            except OSError as error:
+                if error.errno in FULL:
+                    raise
+                raise self._error(
+                    str(error), "a place that can be written", "name another folder with --out"
+                ) from error
+            finally:
+                if self._made is None:
+                    self._end()
         return self.path
 
     def write_summary(self, document: Mapping[str, Any]) -> dict[str, Any]:
@@ -100,8 +143,25 @@ class ResultFolder:
         The list is under the key `files`: the path of each file in the folder, with its SHA-256.
         """
         whole = {**document, "files": manifest.checksums(self.path)}
+        whole[manifest.OWN_CHECKSUM] = manifest.own_checksum(whole)
         write_json(self.path / manifest.SUMMARY, whole)
         return whole
+
+    def figures(self, draw: Callable[[Path], object]) -> str | None:
+        """Draw into the folder `figures`; where there is no room for them, leave none and return why.
+
+        An exception of any other kind passes through, and then none are left either.
+        """
+        folder = self.path / "figures"
+        try:
+            draw(folder)
+        except BaseException as error:
+            with Hold():
+                shutil.rmtree(folder, ignore_errors=True)
+            if isinstance(error, OSError) and error.errno in FULL:
+                return os.strerror(error.errno)
+            raise
+        return None
 
     def commit(self) -> None:
         """Put the new folder in place of the old one; a second call does nothing.
@@ -111,37 +171,35 @@ class ResultFolder:
         InputError
             If something that is not ours appeared in the old folder meanwhile. The old folder stays as it is.
         """
-        if self.path not in _open_here:
+        if self._made is None:
             return
         document = manifest.read_summary(self.path)  # what the next job into this folder will see
         if document is None:
             raise RuntimeError("not a result folder: no summary")
         if stray := manifest.foreign(self.path, manifest.names_of(document)):
             raise RuntimeError(f"not a result folder: its summary does not list {stray}")
-        old = self._sibling("old", os.getpid())
-        self.check()
-        if os.path.lexists(self.target):
-            self._rename(self.target, old)
-        try:
-            if old.exists():
-                self._refuse_what_is_not_ours(old)  # a file put there between the look and the move
-            self._rename(self.path, self.target)
-        except BaseException:
-            if old.exists() and not os.path.lexists(self.target):
-                old.rename(self.target)
-            raise
-        _open_here.discard(self.path)
-        manifest.remove_ours(old)
+        with Hold():
+            self.check()
+            try:
+                self._put_in_place()
+            except OSError as error:
+                raise self._error(
+                    str(error), "a folder that no other process writes to", "fly again, or name another folder"
+                ) from error
+            self._end()
 
     def discard(self) -> None:
         """Remove the unfinished folder and the parents created for it; does nothing once committed."""
-        if self.path in _open_here:
-            shutil.rmtree(self.path, ignore_errors=True)
-            _open_here.discard(self.path)
-            self._remove_created()
+        if self._made is not None:
+            with Hold():
+                self._end()
 
     def __enter__(self) -> ResultFolder:
-        self.open()
+        try:
+            self.open()
+        except BaseException:
+            self.discard()
+            raise
         return self
 
     def __exit__(
@@ -153,16 +211,60 @@ class ResultFolder:
         finally:
             self.discard()
 
-    def _sibling(self, role: str, pid: int) -> Path:
-        return self.target.with_name(f".{self.target.name}.{role}-{pid}") if self.target.name else self.target
+    def _sibling(self, role: str, token: str) -> Path:
+        return self.target.with_name(f".{self.target.name}.{role}-{token}") if self.target.name else self.target
 
-    def _rename(self, source: Path, destination: Path) -> None:
+    def _put_in_place(self) -> None:
+        """Let the new folder take the place of the old one, which is then `self.path` or `self._old`."""
+        if not os.path.lexists(self.target):
+            self.path.rename(self.target)
+        elif exchange(self.path, self.target):
+            try:
+                self._refuse_what_is_not_ours(self.path)  # a file put there between the look and the exchange
+            except BaseException:
+                exchange(self.path, self.target)
+                raise
+        else:
+            self.target.rename(self._old)
+            try:
+                self._refuse_what_is_not_ours(self._old)
+                self.path.rename(self.target)
+            except BaseException:
+                self._old.rename(self.target)
+                raise
+
+    def _is_made_here(self, folder: Path) -> bool:
         try:
-            source.rename(destination)
-        except OSError as error:
-            raise self._error(
-                str(error), "a folder that no other process writes to", "fly again, or name another folder with --out"
-            ) from error
+            return self._made is not None and os.path.samestat(os.lstat(folder), self._made)
+        except OSError:
+            return False
+
+    def _end(self) -> None:
+        """Leave either the new folder in its place or no trace of it, and nothing beside it but what is said."""
+        committed = self._is_made_here(self.target)
+        for _ in range(2):  # what failed once by chance is tried again
+            if os.path.lexists(self._old) and not os.path.lexists(self.target):
+                with suppress(OSError):
+                    self._old.rename(self.target)
+        away = os.path.lexists(self._old) and not os.path.lexists(self.target)
+        for folder in [self.path] if away else [self.path, self._old]:
+            for _ in range(2):
+                if not os.path.lexists(folder):
+                    break
+                if self._is_made_here(folder):
+                    shutil.rmtree(folder, ignore_errors=True)
+                elif self._made is not None or folder is self._old:
+                    manifest.remove_ours(folder)
+                else:  # made, and not even looked at yet
+                    with suppress(OSError):
+                        folder.rmdir()
+            self._say_what_remains(folder)
+        self._made = None
+        if away:
+            _log.warning("warning: the old results are in %s; the next job into this folder puts them back", self._old)
+        self._lock.release(forget=not away)
+        if not committed:
+            self._remove_created()
 
     def _refuse_what_is_not_ours(self, folder: Path) -> None:
         document = manifest.read_summary(folder)
@@ -184,17 +286,24 @@ class ResultFolder:
                 f"{folder} may not be written", "a place that may be written", "name another folder with --out"
             )
 
-    def _clean_up_after_the_dead(self) -> None:
-        """Remove what killed jobs left of this folder, and put back an old folder caught between two renames."""
-        pattern = re.compile(re.escape(f".{self.target.name}.") + r"(partial|old)-(\d+)")
-        for sibling in sorted(self.target.parent.iterdir()):
-            match = pattern.fullmatch(sibling.name)
-            if not match or sibling.is_symlink() or sibling in _open_here or _alive(int(match[2])):
-                continue
-            if match[1] == "old" and not os.path.lexists(self.target):
-                sibling.rename(self.target)
-            else:
-                manifest.remove_ours(sibling)
+    def _clean_up_after(self, token: str) -> None:
+        """Remove what a killed job into this folder left, and put back an old folder caught between two renames."""
+        old = self._sibling("old", token)
+        if os.path.lexists(old) and not old.is_symlink() and not os.path.lexists(self.target):
+            old.rename(self.target)
+        for folder in (self._sibling("partial", token), old):
+            manifest.remove_ours(folder, unfinished=folder is not old)
+            self._say_what_remains(folder)
+
+    def _say_what_remains(self, folder: Path) -> None:
+        if os.path.lexists(folder):
+            inside = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if not p.is_dir())
+            what = ", ".join(inside[:3]) + (f" and {len(inside) - 3} more" if len(inside) > 3 else "")
+            _log.warning(
+                "warning: %s stays, with %s: edited, not written by uavftc, or not removable; look, then remove it",
+                folder,
+                what or "nothing in it",
+            )
 
     def _remove_created(self) -> None:
         for parent in reversed(self._created):
@@ -204,17 +313,3 @@ class ResultFolder:
 
     def _error(self, found: str, expected: str, remedy: str) -> InputError:
         return InputError(f"--out {self._shown}", found=found, expected=expected, remedy=remedy)
-
-
-def _alive(pid: int) -> bool:
-    if pid == os.getpid():  # not in _open_here, so it belonged to a dead process that had our number
-        return False
-    if os.name == "nt":  # there, signal 0 would interrupt the process
-        return True
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except (PermissionError, OverflowError):
-        return True
-    return True

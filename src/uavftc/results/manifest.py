@@ -1,8 +1,9 @@
 """Which files of a result folder are ours: those that its `summary.json` lists, each with its checksum.
 
 A folder is ours if its `summary.json` is, and every file in it is listed there under `files` and still has the content
-that was written. Folders of the first versions list nothing: there, and in what a killed job left unfinished, a file
-is ours by its name (`FLIGHT`, `COMPARISON`, `REPRODUCTION`). These names are frozen; a new job adds none.
+that was written; of the summary itself `summary_sha256` tells that, for all but its wall-clock figures. Folders of the
+first versions list nothing: there, and in what a killed job left unfinished, a file is ours by its name (`FLIGHT`,
+`COMPARISON`, `REPRODUCTION`). These names are frozen; a new job adds none.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 SUMMARY = "summary.json"
+OWN_CHECKSUM = "summary_sha256"
 MAX_BYTES = 64_000_000  # of a summary.json; a longer one is not ours
 _HASHED_BYTES = 1 << 20  # read at a time
 
@@ -67,6 +69,30 @@ def read_summary(folder: Path) -> dict[str, Any] | None:
     return document if isinstance(origin, dict) and "uavftc" in origin else None
 
 
+def text_of(document: Mapping[str, Any]) -> str:
+    """Return the text of a `summary.json`.
+
+    Raises
+    ------
+    ValueError
+        If there is a NaN or an infinity in it.
+    """
+    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    return text.encode(errors="backslashreplace").decode()  # a path that is no text: JSON's own spelling of it
+
+
+def own_checksum(document: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of a summary without this checksum and its wall-clock figures, which no two runs share."""
+    return hashlib.sha256(json.dumps(_lasting(document), sort_keys=True).encode()).hexdigest()
+
+
+def _lasting(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        own = (OWN_CHECKSUM, "timing")
+        return {k: _lasting(v) for k, v in value.items() if k not in own and not k.startswith("wall_")}
+    return [_lasting(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
 def names_of(document: Mapping[str, Any] | None) -> frozenset[str]:
     """Return the path of every file that may be in the folder of this `summary.json`, itself included.
 
@@ -97,32 +123,52 @@ def foreign(folder: Path, names: frozenset[str]) -> str | None:
 
 
 def changed(folder: Path, document: Mapping[str, Any]) -> str | None:
-    """Return the path inside `folder` of a listed file whose content is not the one that was written, or None."""
+    """Return the path inside `folder` of a file of ours whose content is not the one that was written, or None."""
     listed = _listed(document)
     for path in _walk(folder):
         if path in listed and not _is_unchanged(folder / path, listed[path]):
             return path
-    return None
+    return SUMMARY if _summary_changed(folder, document) else None
 
 
-def remove_ours(folder: Path) -> None:
-    """Remove the files of a folder that are ours and unchanged, then the folders, which stay if anything else is in."""
+def remove_ours(folder: Path, *, unfinished: bool = False) -> None:
+    """Remove the files of a folder that are ours and unchanged, then the folders, which stay if anything else is in.
+
+    What cannot be removed stays too, and the summary with it, which says what the rest is; a link in place of the
+    folder is not followed. Of an `unfinished` folder, which has no summary yet, files are ours by their names.
+    """
+    if folder.is_symlink():
+        return
     document = read_summary(folder)
-    names, listed = names_of(document), _listed(document or {})
+    by_name = unfinished and document is None
+    names, listed = names_of(document) if by_name or document else frozenset(), _listed(document or {})
 
-    def unfinished(path: str) -> bool:  # histories have too many names to be in the frozen lists
-        return document is None and path.startswith("histories/") and path.endswith(".parquet")
+    def history(path: str) -> bool:  # these have too many names to be in the frozen lists
+        return by_name and path.startswith("histories/") and path.endswith(".parquet")
 
     for path in sorted(set(_walk(folder)) - {SUMMARY}, reverse=True):  # what is in a folder before the folder
         inside = folder / path
         with suppress(OSError):
             if _is_folder(inside):
                 inside.rmdir()
-            elif _is_unchanged(inside, listed[path]) if path in listed else path in names or unfinished(path):
+            elif _is_unchanged(inside, listed[path]) if path in listed else path in names or history(path):
                 inside.unlink()
     with suppress(OSError):
-        (folder / SUMMARY).unlink(missing_ok=True)  # last: without it, the next job would not recognise the others
+        if set(_walk(folder)) == {SUMMARY} and (by_name or (document and not _summary_changed(folder, document))):
+            (folder / SUMMARY).unlink()
         folder.rmdir()
+
+
+def _summary_changed(folder: Path, document: Mapping[str, Any]) -> bool:
+    """Return whether somebody edited the `summary.json` that `document` was read from; earlier versions cannot tell."""
+    if OWN_CHECKSUM not in document:
+        return False
+    try:
+        with _regular(folder / SUMMARY) as stream:
+            text = stream.read(MAX_BYTES + 1)
+        return text != text_of(document).encode() or document[OWN_CHECKSUM] != own_checksum(document)
+    except (OSError, ValueError, RecursionError):
+        return True
 
 
 def _listed(document: Mapping[str, Any]) -> Mapping[str, str]:

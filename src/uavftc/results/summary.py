@@ -7,7 +7,6 @@ between two runs of the same flight.
 from __future__ import annotations
 
 import functools
-import json
 import math
 import platform
 from collections.abc import Mapping, Sequence
@@ -17,6 +16,7 @@ from typing import Any
 
 from uavftc.analysis import metrics
 from uavftc.core.signals import AXES
+from uavftc.results.manifest import text_of
 
 _PACKAGES = ("uavftc", "jsbsim", "numpy", "numba")
 
@@ -115,8 +115,7 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
     ValueError
         If there is a NaN or an infinity in it; nothing is written then.
     """
-    text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8", newline="\n")
+    path.write_text(text_of(data), encoding="utf-8", newline="\n")
 
 
 def _plain(value: Any) -> Any:

@@ -15,6 +15,7 @@ from uavftc.jobs.paper import plan
 from uavftc.jobs.paper.findings import Finding, best_scale, conditions, findings
 from uavftc.jobs.paper.plan import Flights, Key
 from uavftc.jobs.paper.tables import Claim, Row, claims_of, improvements_of, rows_of
+from uavftc.report.backend import load_matplotlib
 from uavftc.results.folder import ResultFolder
 from uavftc.results.summary import provenance
 
@@ -28,6 +29,7 @@ class Reproduction:
     def __init__(self, plants: Sequence[str], flights: Flights) -> None:
         self.plants = tuple(plants)
         self.flights = flights
+        self.figures_missing: str | None = None  # why, where there was no room for them
         self.rows: list[Row] = []
         self.claims: dict[str, list[Claim]] = {}
         self.findings: list[Finding] = []
@@ -80,23 +82,25 @@ def reproduce(plants: Sequence[str], out: Path, *, figures: bool, advance: Advan
     InputError
         If the folder cannot be written; nothing is flown then.
     """
-    folder = ResultFolder(out)
-    folder.check()
-    flights = fly_plan(plants, lambda done, total: advance(done, total, "flying"))
-    result = Reproduction(plants, flights)
-    with folder:
+    with ResultFolder(out) as folder:  # from the start, so that two jobs do not fly for one folder
+        flights = fly_plan(plants, lambda done, total: advance(done, total, "flying"))
+        result = Reproduction(plants, flights)
         drawn: list[str] = []
         captions: dict[int, str] = {}
         if figures:
+            load_matplotlib()
             from uavftc.jobs.paper.figures import CAPTIONS, write_figures  # noqa: PLC0415 - imports matplotlib
 
+            def draw(into: Path) -> None:
+                for i, plant in enumerate(plants):
+                    advance(i, len(plants), f"drawing the figures of {plant}")
+                    paths = write_figures(into, plan.of_variant(flights, plant, "paper"), prefix=f"{plant}-")
+                    drawn.extend(p.relative_to(folder.path).as_posix() for p in paths if p.suffix == ".png")
+
             captions = CAPTIONS
-            for i, plant in enumerate(plants):
-                advance(i, len(plants), f"drawing the figures of {plant}")
-                paths = write_figures(
-                    folder.path / "figures", plan.of_variant(flights, plant, "paper"), prefix=f"{plant}-"
-                )
-                drawn += [p.relative_to(folder.path).as_posix() for p in paths if p.suffix == ".png"]
+            result.figures_missing = folder.figures(draw)
+            if result.figures_missing is not None:
+                drawn.clear()
         write(folder, result, drawn, captions)
     return result
 
