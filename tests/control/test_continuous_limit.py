@@ -7,10 +7,10 @@ A_l = A_m. No limit is active and no bound is reached.
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 from scipy.integrate import solve_ivp
 
+import paper
 from uavftc.control.inner import l1
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory

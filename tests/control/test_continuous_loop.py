@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 
+import paper
 from uavftc.flight.build import build_flight
 from uavftc.jobs.bench import continuous
 from uavftc.jobs.bench.flights import scenario

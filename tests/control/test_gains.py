@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 
+import paper
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
 from uavftc.control.inner import l1, mrac
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 
+import paper
 from uavftc.control.inner import l1
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 
+import paper
 from uavftc.control.inner import l1, mrac
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+import paper
 from uavftc.control.outer import ndi
 from uavftc.core.stage import params_of
 

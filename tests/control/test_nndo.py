@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 from scipy.integrate import solve_ivp
 
+import paper
 from uavftc.control.outer import nndo
 from uavftc.core.program import Program
 from uavftc.core.stage import params_of

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import paper
 from uavftc.control.inner import l1, mrac
 
 N = 5

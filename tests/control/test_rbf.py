@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import paper
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import paper
 from uavftc.control.rbf import NODES, basis
 
 ANGLES = st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3).map(np.array)
