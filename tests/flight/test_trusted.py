@@ -62,10 +62,10 @@ def test_a_flight_that_leaves_it_is_warned_of_alone_and_among_many(tmp_path: Pat
     # a reference of 170 deg of heading skids the aircraft through 33 deg of sideslip
     scenario = load_scenario("scenario1", overrides=FAR)
     alone, _ = fly_mission(scenario, tmp_path / "far", figures=False)
-    told = [line for line in alone["warnings"] if "trusts" in line]
-    assert told[0].startswith("sideslip outside what the aircraft's documentation trusts, -10 to 10 deg")
-    assert "furthest -33.1" in told[0]
-    assert [line for line in fly_one(scenario).summary()["warnings"] if "trusts" in line] == told
+    lines = [line for line in alone["warnings"] if "trusts" in line]
+    assert lines[0].startswith("sideslip outside what the aircraft's documentation trusts, -10 to 10 deg")
+    assert "furthest -33.1" in lines[0]
+    assert [line for line in fly_one(scenario).summary()["warnings"] if "trusts" in line] == lines
 
 
 @pytest.mark.parametrize("plant", ["jsbsim", "analytic"])
@@ -80,7 +80,7 @@ def test_a_range_that_is_none_is_refused(value: str, tmp_path: Path):
     folder.mkdir()
     (folder / "kite.xml").write_text("<fdm_config/>")
     (folder / "uavftc.yaml").write_text(f"name: kite\ntrusted: {{alpha_deg: {value}}}\n")
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as error:
         load_aircraft(str(folder))
-    assert "trusted.alpha_deg" in told.value.where
-    assert "[least, greatest]" in told.value.expected
+    assert "trusted.alpha_deg" in error.value.where
+    assert "[least, greatest]" in error.value.expected

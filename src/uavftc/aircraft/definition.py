@@ -102,7 +102,7 @@ class Autothrottle(Model):
 
 def _range(value: tuple[float, float]) -> tuple[float, float]:
     if not value[0] < value[1]:
-        raise PydanticCustomError("shape", "{wanted}", {"wanted": RANGE})
+        raise PydanticCustomError("shape", "{expected}", {"expected": RANGE})
     return value
 
 
