@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from control.paper import A_M, A_S, B_M, BANDWIDTH, GAMMA, lyapunov
-from uavftc.analysis.l1_condition import Given, condition_33, norms_of, theorem_2, theorem_3
+from uavftc.analysis.l1_condition import Given, condition_33, norms_of, theorem_2, theorem_2_weighted, theorem_3
 from uavftc.analysis.l1_norm import l1_norm
 from uavftc.analysis.linear import C_over_H, H_of, filter_C, product
 
@@ -136,8 +137,8 @@ class TestTheorem3:
 
 
 class TestTheorem2:
-    def test_the_printed_design_has_no_bound(self):
-        # P to four decimals is that of Q = I, and the bound divides by lambda_min(Q) - 1.
+    def test_the_printed_proof_gives_the_printed_design_no_bound(self):
+        # P to four decimals is that of Q = I, and eq. (44) divides by lambda_min(Q) - 1.
         assert theorem_2(lyapunov(A_S, np.eye(3)), B_M, np.eye(3)) is None
 
     def test_a_larger_Q_has_one_that_holds(self):
@@ -164,3 +165,37 @@ class TestTheorem2:
         assert bound.per_V == pytest.approx(2.0 / 2.0)
         assert bound.per_e == pytest.approx(np.max(np.linalg.svd(P @ B_M)[1]) ** 2 / 2.0)
         assert bound.bound(1.0, 2.0, 3.0) == pytest.approx(3.0 * bound.per_V + 3.0 * bound.per_e)
+
+    def test_weighted_by_lambda_the_printed_design_has_one(self):
+        # 4/lambda and 4 |P B_m|^2/lambda^2 with lambda = 1: 4 and 174.9, the factor that eq. (44) has for Q = 2 I.
+        bound = theorem_2_weighted(lyapunov(A_S, np.eye(3)), B_M, np.eye(3))
+        assert bound.per_V == pytest.approx(4.0)
+        assert bound.per_e == pytest.approx(174.9, abs=0.05)
+        Q = 2.0 * np.eye(3)
+        assert bound.per_e == pytest.approx(theorem_2(lyapunov(A_S, Q), B_M, Q).per_e)
+
+    @pytest.mark.parametrize(("gamma", "share"), [(0.0, 0.5), (10.0, 1e-3), (GAMMA, 0.0)])
+    def test_the_weighted_bound_holds_for_the_error_dynamics(self, gamma, share):
+        # Eq. (40) with (31), written out anew: effectiveness, one weight and eps_hat wrong at the start, a command, a
+        # regressor and an e_min that move. For Gamma = 0 nothing adapts and V(0) is without meaning: no parameter is
+        # wrong then, and a constant e_min alone drives. `share` of the bound is reached: it is not met by being huge.
+        P = lyapunov(A_S, np.eye(3))
+        wrong = np.zeros(9) if gamma == 0.0 else np.array([-0.5, -0.3, 0.2, 0.02, -0.01, 0.03, 0.05, 0.02, -0.04])
+
+        def e_min(t):
+            return np.array([0.01, -0.02, 0.015]) * (1.0 if gamma == 0.0 else np.cos(40.0 * t))
+
+        def rhs(t, y):
+            x, omega, weight, eps = y[:3], y[3:6], y[6:9], y[9:12]
+            v, Phi = 0.1 * np.sin(3.0 * t + np.arange(3.0)), np.exp(-np.sin(t) ** 2)
+            s = B_M.T @ P @ x
+            x_dot = A_S @ x + B_M @ (omega * v + weight * Phi + eps + e_min(t))
+            rate = [x @ x, e_min(t) @ e_min(t)]
+            return np.concatenate([x_dot, -gamma * v * s, -gamma * Phi * s, -gamma * s, rate])
+
+        start = np.concatenate([np.zeros(3), wrong, np.zeros(2)])
+        t_end = 20.0 if gamma < GAMMA else 1.0
+        end = solve_ivp(rhs, (0.0, t_end), start, method="DOP853", rtol=1e-7, atol=1e-12).y[:, -1]
+        V_0 = 0.0 if gamma == 0.0 else 0.5 * wrong @ wrong / gamma
+        bound = theorem_2_weighted(P, B_M, np.eye(3)).bound(V_0, end[13])
+        assert share * bound < end[12] <= bound

@@ -111,6 +111,11 @@ def test_what_is_not_stated_is_null_with_a_reason(hale):
     assert "lambda_min" in hale["theorem_2"]["reason"]
 
 
+def test_theorem_2_has_factors_where_the_printed_proof_has_none(hale):
+    # docs/theory.md gives them: 4 V(0) and 174.9 int |e_min|^2 for the printed Q = I
+    assert hale["theorem_2"]["weighted"] == {"per_V": pytest.approx(4.0), "per_e": pytest.approx(174.9, abs=0.05)}
+
+
 def test_with_everything_stated_condition_and_bounds_are_numbers(tmp_path):
     stated = {"sigma_0": 0.0, "sigma_r": 1.0, "r_max": 0.1, "delta_5": 0.05, "lipschitz": 0.5, "gamma_0": 1e-6}
     options = [text for name, value in stated.items() for text in (f"--{name.replace('_', '-')}", str(value))]
@@ -171,7 +176,7 @@ def test_for_reading_it_prints_a_summary(hale, tmp_path):
     assert done.exit_code == 0, done.output
     for words in (
         "hale: flyable", "30 m/s, 1000 m", "dutch roll", "||H C K||", f"{hale['l1_norm_H']:.4f}",
-        "no bound of Theorem 2", "d2 is discontinuous",
+        "<= 4 V(0) + 174.9 int", "d2 is discontinuous",
     ):  # fmt: skip
         assert words in done.stdout
     assert list(tmp_path.iterdir()) == []

@@ -196,7 +196,7 @@ def theorem_3(norms: Norms, given: Given, condition: Condition | None = None) ->
 
 
 class Theorem2(NamedTuple):
-    """Eq. (44): int |x2_tilde|^2 dt <= per_V (V(0) + V(t)) + per_e int |e_min|^2 dt, Euclidean lengths."""
+    """Eq. (44), as printed: int |x2_tilde|^2 dt <= per_V (V(0) + V(t)) + per_e int |e_min|^2 dt, Euclidean lengths."""
 
     per_V: float
     """2 / (lambda_min(Q) - 1)."""
@@ -209,12 +209,44 @@ class Theorem2(NamedTuple):
 
 
 def theorem_2(P: np.ndarray, B_m: np.ndarray, Q: np.ndarray) -> Theorem2 | None:
-    """Return Theorem 2's bound for a Q and the P that belongs to it, or None.
+    """Return Theorem 2's bound as printed, eq. (44), for a Q and the P that belongs to it, or None.
 
-    It divides by lambda_min(Q) - 1 and so needs lambda_min(Q) > 1; the printed P is that of Q = I, which has no bound.
-    P grows with Q: Q = 2 I with Gamma is the law of Q = I with 2 Gamma.
+    It divides by lambda_min(Q) - 1 and so needs lambda_min(Q) > 1; the printed P is that of Q = I, for which the printed
+    proof gives nothing; `theorem_2_weighted` does. P grows with Q: Q = 2 I with Gamma is the law of Q = I with 2 Gamma.
     """
     margin = float(np.linalg.eigvalsh(Q)[0]) - 1.0
     if margin <= 1e-12:
         return None
     return Theorem2(2.0 / margin, float(np.linalg.norm(P @ B_m, 2)) ** 2 / margin)
+
+
+class Theorem2Weighted(NamedTuple):
+    """int |x2_tilde|^2 dt <= per_V V(0) + per_e int |e_min|^2 dt, Euclidean lengths, for any Q > 0."""
+
+    per_V: float
+    """4 / lambda_min(Q)."""
+    per_e: float
+    """4 |P B_m|^2 / lambda_min(Q)^2, s^2."""
+
+    def bound(self, V_0: float, e_squared: float) -> float:
+        """Return the bound of int |x2_tilde|^2 dt, rad^2/s, for V(0) of eq. (41) and int |e_min|^2 dt, rad^2 s."""
+        return self.per_V * V_0 + self.per_e * e_squared
+
+
+def theorem_2_weighted(P: np.ndarray, B_m: np.ndarray, Q: np.ndarray) -> Theorem2Weighted:
+    """Return Theorem 2's bound with Young's inequality weighted by lambda = lambda_min(Q), which may be any above 0.
+
+    The step before (43) is dV/dt <= -lambda/2 |x2_tilde|^2 + x2_tilde^T P B_m e_min. For any w > 0 the product is at
+    most w/2 |x2_tilde|^2 + 1/(2 w) |P B_m|^2 |e_min|^2. The paper takes w = 1, whence lambda - 1 in (44). With w below
+    lambda, integrated and V(t) >= 0 left out, the factors are 2/(lambda - w) and |P B_m|^2/(w (lambda - w)); w = lambda/2
+    makes the second the least.
+
+    Raises
+    ------
+    ValueError
+        If Q is not positive definite.
+    """
+    least = float(np.linalg.eigvalsh(Q)[0])
+    if least <= 0.0:
+        raise ValueError("Q is not positive definite")
+    return Theorem2Weighted(4.0 / least, 4.0 * float(np.linalg.norm(P @ B_m, 2)) ** 2 / least**2)

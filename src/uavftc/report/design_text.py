@@ -118,8 +118,14 @@ def _print_loop(console: Console, line: Line, document: dict[str, Any]) -> None:
         texts = {document[key + suffix] for suffix in ("", "_A_m")} - {None}
         for text in sorted(texts):
             line(f"{key.replace('_', ' ')}: {text}")
-    if document["theorem_2"]["reason"]:
-        line(f"no bound of Theorem 2: {document['theorem_2']['reason']}")
+    theorem_2 = document["theorem_2"]
+    factors = theorem_2["weighted"]
+    line(
+        f"Theorem 2, weighted by lambda_min(Q): int |x2_tilde|^2 dt <= {factors['per_V']:.4g} V(0) + "
+        f"{factors['per_e']:.4g} int |e_min|^2 dt"
+    )
+    if theorem_2["reason"]:
+        line(f"eq. (44) as printed gives none: {theorem_2['reason']}")
 
 
 def _print_flight(line: Line, scenario: str, flown: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from uavftc.aircraft.definition import load_aircraft
-from uavftc.analysis.l1_condition import ACCURACY, Given, Norms, condition_33, norms_of, theorem_2, theorem_3
+from uavftc.analysis.l1_condition import ACCURACY, Given, Norms, condition_33, norms_of, theorem_2, theorem_2_weighted, theorem_3
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
 from uavftc.control.inner import l1
 from uavftc.control.inner.matrices import MAX_CONDITION
@@ -149,11 +149,12 @@ def bounds(norms: Norms | None, given: Given, suffix: str, reason: str | None = 
 
 
 def _theorem_2(A_s: np.ndarray, B_m: np.ndarray, Q: np.ndarray) -> dict[str, Any]:
-    """Return Theorem 2's coefficients for the design's Q, and for Q = 2 I, which has them."""
+    """Return Theorem 2's factors: as printed where they exist, weighted for any Q, and as printed for Q = 2 I."""
     result: dict[str, Any] = {"lambda_min_Q": float(np.linalg.eigvalsh(Q)[0]), "per_V": None, "per_e": None}
-    result["reason"] = "lambda_min(Q) is not above 1: eq. (44) divides by lambda_min(Q) - 1"
+    result["reason"] = "lambda_min(Q) is not above 1: eq. (44) as printed divides by lambda_min(Q) - 1"
     if (own := theorem_2(lyapunov_P(A_s, Q), B_m, Q)) is not None:
         result |= own._asdict() | {"reason": None}
+    result["weighted"] = theorem_2_weighted(lyapunov_P(A_s, Q), B_m, Q)._asdict()
     doubled = theorem_2(lyapunov_P(A_s, 2.0 * np.eye(3)), B_m, 2.0 * np.eye(3))
     return result | {"with_Q_2I": None if doubled is None else doubled._asdict()}
 
