@@ -187,7 +187,7 @@ class TestTheorem2:
 
         def rhs(t, y):
             x, omega, weight, eps = y[:3], y[3:6], y[6:9], y[9:12]
-            v, Phi = 0.1 * np.sin(3.0 * t + np.arange(3.0)), np.exp(-np.sin(t) ** 2)
+            v, Phi = 0.1 * np.sin(3.0 * t + np.arange(3.0)), np.exp(-(np.sin(t) ** 2))
             s = B_M.T @ P @ x
             x_dot = A_S @ x + B_M @ (omega * v + weight * Phi + eps + e_min(t))
             rate = [x @ x, e_min(t) @ e_min(t)]

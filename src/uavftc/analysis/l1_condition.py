@@ -211,8 +211,9 @@ class Theorem2(NamedTuple):
 def theorem_2(P: np.ndarray, B_m: np.ndarray, Q: np.ndarray) -> Theorem2 | None:
     """Return Theorem 2's bound as printed, eq. (44), for a Q and the P that belongs to it, or None.
 
-    It divides by lambda_min(Q) - 1 and so needs lambda_min(Q) > 1; the printed P is that of Q = I, for which the printed
-    proof gives nothing; `theorem_2_weighted` does. P grows with Q: Q = 2 I with Gamma is the law of Q = I with 2 Gamma.
+    It divides by lambda_min(Q) - 1 and so needs lambda_min(Q) > 1. The printed P is that of Q = I, for which the
+    printed proof gives nothing and `theorem_2_weighted` does. P grows with Q: Q = 2 I with
+    Gamma is the law of Q = I with 2 Gamma.
     """
     margin = float(np.linalg.eigvalsh(Q)[0]) - 1.0
     if margin <= 1e-12:
@@ -238,8 +239,8 @@ def theorem_2_weighted(P: np.ndarray, B_m: np.ndarray, Q: np.ndarray) -> Theorem
 
     The step before (43) is dV/dt <= -lambda/2 |x2_tilde|^2 + x2_tilde^T P B_m e_min. For any w > 0 the product is at
     most w/2 |x2_tilde|^2 + 1/(2 w) |P B_m|^2 |e_min|^2. The paper takes w = 1, whence lambda - 1 in (44). With w below
-    lambda, integrated and V(t) >= 0 left out, the factors are 2/(lambda - w) and |P B_m|^2/(w (lambda - w)); w = lambda/2
-    makes the second the least.
+    lambda, integrated and V(t) >= 0 left out, the factors are 2/(lambda - w) and |P B_m|^2/(w (lambda - w));
+    w = lambda/2 makes the second the least.
 
     Raises
     ------

@@ -14,7 +14,16 @@ from typing import Any
 import numpy as np
 
 from uavftc.aircraft.definition import load_aircraft
-from uavftc.analysis.l1_condition import ACCURACY, Given, Norms, condition_33, norms_of, theorem_2, theorem_2_weighted, theorem_3
+from uavftc.analysis.l1_condition import (
+    ACCURACY,
+    Given,
+    Norms,
+    condition_33,
+    norms_of,
+    theorem_2,
+    theorem_2_weighted,
+    theorem_3,
+)
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
 from uavftc.control.inner import l1
 from uavftc.control.inner.matrices import MAX_CONDITION
