@@ -154,7 +154,7 @@ def rms(found: Groups, names: Iterable[str]) -> float:
     return math.sqrt(sum(squares) / len(squares))
 
 
-def told(found: Groups) -> str:
+def summary(found: Groups) -> str:
     """Return the scores of a reading on one line."""
     columns = ", ".join(f"{name} {rms(found, [name]):.3f}" for name in COLUMNS)
     return (
@@ -203,12 +203,12 @@ def _with_v1(p, s, row):
         s.x1[i] = x1[i]
         s.d1_hat[i] = d1_hat
         row.d1_hat[i] = d1_hat
-    wanted = (
+    command = (
         p.D[0] * (x1_c[0] - x1[0]) - s.d1_hat[0],
         p.D[1] * (x1_c[1] - x1[1]) - s.d1_hat[1],
         p.D[2] * wrapped(x1_c[2] - x1[2]) - s.d1_hat[2],
     )
-    s.v1[0], s.v1[1], s.v1[2] = body_rates(x1, wanted)  # eq. (9), as the law after this one
+    s.v1[0], s.v1[1], s.v1[2] = body_rates(x1, command)  # eq. (9), as the law after this one
     s.x1_dot[0], s.x1_dot[1], s.x1_dot[2] = attitude_rates(x1, s.v1)
     s.started = 1.0
 
@@ -238,12 +238,12 @@ def main() -> None:
         (p.scenario, p.controller, p.axis, p.metric): p.value for p in printed.tables() if p.table in (3, 5)
     }
     bases = {(s, c): load_scenario(s, plant="analytic", controller=c) for s in SCENARIOS for c in COLUMNS}
-    print(f"as shipped: {told(compared(bases, values, reading, SHIPPED))}")
+    print(f"as shipped: {summary(compared(bases, values, reading, SHIPPED))}")
     if options.only_known:
         described = compared(bases, values, late, DESCRIBED)
-        print(f"late by {DESCRIBED[:3]} s, fault unit {DESCRIBED[3]} deg: {told(described)}")
+        print(f"late by {DESCRIBED[:3]} s, fault unit {DESCRIBED[3]} deg: {summary(described)}")
         plain, nndo.blocks = nndo.blocks, blocks_with_v1
-        print(f"v1 in place of x2 in eq. (14): {told(compared(bases, values, reading, SHIPPED))}")
+        print(f"v1 in place of x2 in eq. (14): {summary(compared(bases, values, reading, SHIPPED))}")
         nndo.blocks = plain
         print("how late NDI-L1 is by the print alone:", *lags_from_the_print(values), sep="\n")
         return
@@ -253,7 +253,7 @@ def main() -> None:
         lambda x: rms(compared(bases, values, change, x), names), list(bounds.values()), seed=options.seed,
         maxiter=options.generations, popsize=6, x0=np.array(start), polish=False, tol=0.0,
     )  # fmt: skip
-    print(f"best of {found.nfev} readings by {options.score}: {told(compared(bases, values, change, found.x))}")
+    print(f"best of {found.nfev} readings by {options.score}: {summary(compared(bases, values, change, found.x))}")
     for name, value in zip(bounds, found.x, strict=True):
         print(f"  {name:<26} {value: .3f}")
 

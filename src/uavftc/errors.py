@@ -5,6 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
+def printable(text: str) -> str:
+    """Return a text as it can be shown: what would steer a terminal or has no form, as its escape; on one line."""
+    return "".join(ch if ch.isprintable() else repr(ch)[1:-1] for ch in text)
+
+
 class InputError(Exception):
     """Something the user gave is wrong; the command line turns it into exit code 2.
 
@@ -21,6 +26,7 @@ class InputError(Exception):
     """
 
     def __init__(self, where: str, *, found: str, expected: str, remedy: str) -> None:
+        where, found, expected, remedy = map(printable, (where, found, expected, remedy))
         super().__init__(where, found, expected, remedy)
         self.where = where
         self.found = found

@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from uavftc.config import shipped as resources
-from uavftc.config.document import Document
+from uavftc.config.document import Document, parse
 from uavftc.config.explain import explain
 from uavftc.config.values import Model, Positive
 from uavftc.errors import CombinedInputError, InputError
@@ -210,3 +210,17 @@ def test_errors_survive_the_way_back_from_a_worker_process(refused):
         again = pickle.loads(pickle.dumps(error))
         assert type(again) is type(error)
         assert str(again) == str(error)
+
+
+def test_nesting_is_refused_at_its_fifty_first_level_with_its_line(refused):
+    # the parser's work grows with the square of the depth: it is stopped there, not at the end of its stack
+    text = "name: x\nduration_s: 1\ndescription: " + "[\n" * 20_000
+    message = str(refused(text.encode()))
+    assert "test.yaml, line 53\n" in message  # 50 levels below the third line, which is the first of them
+    assert "50 levels deep" in message
+    parse("[" * 50 + "]" * 50, "a file")
+
+
+def test_more_values_than_a_scenario_needs_are_refused(refused):
+    message = str(refused(b"description: [" + b"0, " * 30_000 + b"0]\n"))
+    assert "at most 20000 values" in message

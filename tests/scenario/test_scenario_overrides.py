@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from uavftc.errors import printable
 from uavftc.scenario.load import controller_name, load_scenario
 
 NAMES = ["nndondi-l1", "ndi-l1", "nndondi-mrac", "ndi-mrac"]
@@ -81,7 +82,7 @@ def test_refusals_name_the_option(refused, override, said):
         f"  - {{surface: rudder, start_s: {i}, end_s: {i + 1}}}\n" for i in range(5)
     )
     message = str(refused(scenario3, overrides=[override]))
-    assert message.startswith(f"--set {override}"[:40])
+    assert message.startswith(f"--set {printable(override)}"[:40])
     assert said in message
 
 
@@ -136,3 +137,10 @@ def test_unknown_controllers_are_reported_with_the_known(refused):
 @pytest.mark.parametrize(("section", "key"), [("5", "controller"), ("{inner: 5}", "controller.inner")])
 def test_a_broken_controller_section_is_reported_by_the_schema(refused, section, key):
     assert f"line 3, key {key}\n" in str(refused(f"controller: {section}", controller="ndi-l1"))
+
+
+@pytest.mark.parametrize("override", ["\x1b[31m=1", "name=\x00", "faults[99].x=\ufeff", "\u202ename=x"])
+def test_what_would_steer_a_terminal_is_shown_as_its_escape(refused, override):
+    message = str(refused("", overrides=[override]))
+    assert all(line.isprintable() for line in message.split("\n"))
+    assert repr(override)[1:-1] in message

@@ -11,12 +11,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ruamel.yaml import YAML
+from ruamel.yaml.composer import Composer
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from uavftc.errors import InputError
 
-MAX_NODES = 100_000  # scalars, lists and maps after aliases are followed; the paper's scenario 3 has about 150
+MAX_NODES = 20_000  # scalars, lists and maps after aliases are followed; the paper's scenario 3 has about 150
 MAX_DEPTH = 50
 
 Key = tuple[str | int, ...]
@@ -75,7 +76,9 @@ def parse(text: str, where: str, *, lines: bool = True) -> tuple[Any, dict[Key, 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a re-used anchor
-            node = YAML(typ="safe", pure=True).compose(text)
+            yaml = YAML(typ="safe", pure=True)
+            yaml.Composer = _Composer
+            node = yaml.compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         problem = " ".join(str(error.problem or error.context).split()).removeprefix("found ")[:200]
@@ -95,11 +98,39 @@ def parse(text: str, where: str, *, lines: bool = True) -> tuple[Any, dict[Key, 
         place = f"{where}, line {text.count(chr(10), 0, position) + 1}" if lines and position is not None else where
         found = str(error).splitlines()[0]
         raise InputError(place, found=found, expected="YAML text", remedy="remove the character") from None
+    except _TooLargeError as error:
+        place = f"{where}, line {error.args[0] + 1}" if lines else where
+        raise _too_large(place) from None
     except (RecursionError, ValueError, OverflowError):
-        nesting = f"at most {MAX_DEPTH} lists and maps within each other"
-        raise InputError(where, found="YAML nested too deeply", expected=nesting, remedy="flatten it") from None
+        raise _too_large(where) from None
     reader = _Reader(where, lines)
     return (None if node is None else reader.read(node, (), 0)), reader.places
+
+
+class _TooLargeError(Exception):
+    """More values or levels than a scenario needs; holds the line, from 0."""
+
+
+class _Composer(Composer):
+    """Stops at the first value too many: the parser's work grows with the square of the depth."""
+
+    _levels = _values = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        self._values += 1
+        if self._values > MAX_NODES or self._levels > MAX_DEPTH:
+            raise _TooLargeError(self.parser.peek_event().start_mark.line)
+        self._levels += 1
+        try:
+            return super().compose_node(parent, index)
+        finally:
+            self._levels -= 1
+
+
+def _too_large(place: str) -> InputError:
+    limit = f"at most {MAX_NODES} values, {MAX_DEPTH} levels deep, aliases included"
+    remedy = "write the values out instead of repeating aliases within aliases, and flatten lists within lists"
+    return InputError(place, found="more values or levels than any scenario needs", expected=limit, remedy=remedy)
 
 
 class _Reader:
@@ -117,10 +148,7 @@ class _Reader:
     def read(self, node: Node, key: Key, depth: int) -> Any:
         self.nodes += 1
         if self.nodes > MAX_NODES or depth > MAX_DEPTH:
-            limit = f"at most {MAX_NODES} values, {MAX_DEPTH} levels deep, aliases included"
-            remedy = "write the values out instead of repeating aliases within aliases"
-            found = "more values than any scenario needs"
-            raise InputError(self.place(node), found=found, expected=limit, remedy=remedy)
+            raise _too_large(self.place(node))
         if str(node.tag) not in _TAGS:
             found = f"the tag {str(node.tag)[:80]}"
             remedy = "remove the tag; numbers, texts, lists and maps need none"

@@ -13,7 +13,7 @@ from uavftc.config.expression import KNOWN
 from uavftc.config.values import Problem, key_text
 from uavftc.errors import InputError
 
-MAX_SHOWN = 20  # errors reported at once
+MAX_SHOWN = 8  # errors reported at once: a message fits on a screen of 40 lines
 _UNITS = {
     "degps2": "deg/s^2",
     "degps": "deg/s",
@@ -37,15 +37,16 @@ def explain(error: ValidationError, document: Document, root: type[BaseModel]) -
     """Return the errors of a file in the order of its schema `root`, each with the place of its key in `document`."""
     errors: list[InputError] = []
     items = error.errors(include_url=False)
-    for item in items[:MAX_SHOWN]:
+    for item in items:
         key, model = _locate(item["loc"], root)
         problems = item.get("ctx", {}).get("problems")
         for problem in problems or [_problem(item, key, model, root)]:
             full = (*key, *problem.key) if problems else problem.key
             where = f"{document.place(full)}, key {key_text(full)}" if full else document.place(full)
             errors.append(InputError(where, found=problem.found, expected=problem.expected, remedy=problem.remedy))
-    if len(items) > MAX_SHOWN:
-        more = f"{len(items) - MAX_SHOWN} more errors"
+    if len(errors) > MAX_SHOWN + 1:  # one more takes no more room than to say so
+        more = f"{len(errors) - MAX_SHOWN} more errors"
+        del errors[MAX_SHOWN:]
         errors.append(InputError(document.file, found=more, expected="none", remedy="fix those above first"))
     return errors
 
@@ -190,7 +191,8 @@ def describe(value: object) -> str:
         text = value if len(value) <= 60 else f"{value[:57]}..."
         return f"'{text}'" if text.isprintable() else repr(text)
     if isinstance(value, dict):
-        return "a section with the keys " + ", ".join(map(str, list(value)[:8])) if value else "an empty section"
+        names = [key_text((str(name),)) for name in list(value)[:8]]
+        return "a section with the keys " + ", ".join(names) if value else "an empty section"
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}"
     text = str(value)

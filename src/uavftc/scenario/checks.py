@@ -29,11 +29,11 @@ def problems(scenario: Scenario) -> list[Problem]:
 def warnings(scenario: Scenario) -> list[str]:
     """Return what is allowed and worth knowing, one readable line each."""
     lines = []
+    times = None
     for key, effect, entry in _entries(scenario):
         if hasattr(effect, "warnings"):
-            t = scenario.times()
-            t = t[window_of(entry, t)]
-            found = effect.warnings(entry, t, _window(scenario, entry))
+            times = scenario.times() if times is None else times  # once: of a long flight they are many
+            found = effect.warnings(entry, times[window_of(entry, times)], _window(scenario, entry))
             lines += [f"{key_text((*key, field))}: {line}" for field, line in found]
     for key, _, entry in _entries(scenario):
         if entry.start_s > scenario.duration_s:
@@ -89,6 +89,9 @@ def _signals(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Window
 def _samples(scenario: Scenario, window: Window, signal: Signal) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield (t, values) of `signal` at the samples of its window inside the flight, in pieces."""
     for start in range(0, scenario.steps + 1, _CHUNK):
+        ends = window.end_s is not None and start / scenario.controller.rate_hz >= window.end_s
+        if ends or (start + _CHUNK) / scenario.controller.rate_hz < window.start_s:
+            continue  # no sample of these is in the window
         t = np.arange(start, min(start + _CHUNK, scenario.steps + 1)) / scenario.controller.rate_hz
         t = t[window_of(window, t)]
         if t.size and signal.constant is not None:
