@@ -5,9 +5,7 @@ The names below are imported when they are first used, so that `import uavftc` c
 
 from __future__ import annotations
 
-import importlib
-
-TYPE_CHECKING = False  # as typing has it; to import that here would be the longest part of `import uavftc`
+TYPE_CHECKING = False  # as typing has it; a command imports nothing before it has seen to Ctrl-C
 
 __version__ = "0.1.0"
 
@@ -39,5 +37,7 @@ if TYPE_CHECKING:
 
 def __getattr__(name: str) -> object:
     if name in _PUBLIC:
+        import importlib  # noqa: PLC0415
+
         return getattr(importlib.import_module(_PUBLIC[name]), name)
     raise AttributeError(f"module 'uavftc' has no attribute '{name}'")

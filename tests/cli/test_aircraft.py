@@ -64,7 +64,7 @@ def test_for_reading_it_is_one_aligned_line_each(few):
     assert done.exit_code == 0
     lines = done.stdout.splitlines()
     assert len(lines) == 2 + len(FEW) + 2
-    assert max(map(len, lines)) <= 100
+    assert max(map(len, lines)) <= 80
     for name, line in zip(FEW, lines[2:], strict=False):
         assert line.startswith(name)
     assert "yes (yaw 3.8 times)" in lines[3]

@@ -35,5 +35,5 @@ def aircraft(
     if as_json:
         print(json.dumps(rows, indent=2, allow_nan=False))
         return
-    width = shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
-    print("\n".join(fleet_table.lines(rows, max(width, 80))))
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 0
+    print("\n".join(fleet_table.lines(rows, max(width, fleet_table.WIDTH))))

@@ -13,7 +13,6 @@ import typer
 from uavftc.errors import InputError
 
 _POSITIVE = {"sigma_r", "airspeed_mps", "altitude_m"}
-_KINDS = (".png", ".svg", ".pdf")
 Float = Optional[float]  # noqa: UP045 - typer reads it
 
 
@@ -42,6 +41,9 @@ def design(
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="FILE", help="Draw poles, authority and B to a .png, .svg or .pdf file."),
     ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace the file of --figure even if uavftc did not write it.")
+    ] = False,
     sigma_0: Annotated[Float, typer.Option(help="Bound of the initial body rates, rad/s.")] = None,
     sigma_r: Annotated[Float, typer.Option(help="Bound of the reference rates to be shown, rad/s.")] = None,
     r_max: Annotated[Float, typer.Option(help="Bound of the commanded rates, rad/s.")] = None,
@@ -70,7 +72,9 @@ def design(
         _check(name, value)
     factors = _omega(omega)
     if figure is not None:
-        _check_figure(figure)
+        from uavftc.results.single import check_figure  # noqa: PLC0415
+
+        check_figure("--figure", figure, force=force)
     changes = [*(overrides or ()), *(f"initial.{k}={v!r}" for k, v in condition.items() if v is not None)]
 
     from uavftc.aircraft.definition import load_aircraft  # noqa: PLC0415 - what a bad option does not need is not imported
@@ -79,6 +83,7 @@ def design(
     from uavftc.jobs.design.document import DEFAULT_SCENARIO, design_document  # noqa: PLC0415
     from uavftc.scenario.load import load_scenario  # noqa: PLC0415
 
+    listed = scenario is None and flight is None and not changes  # designed as `uavftc aircraft` lists it
     load_aircraft(aircraft, "AIRCRAFT")  # before the scenarios, which would name it as an option
     if scenario is None and flight is None:
         scenario = DEFAULT_SCENARIO
@@ -89,7 +94,14 @@ def design(
     if flight is not None and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     document = design_document(aircraft, scenario=design_of, flight=flown, given=Given(**stated), omega=factors)
+    if listed:
+        from uavftc.jobs.design import fleet  # noqa: PLC0415
+
+        fleet.remember(aircraft)
     if figure is not None:
+        from uavftc.report.backend import load_matplotlib  # noqa: PLC0415
+
+        load_matplotlib()
         from uavftc.report.design_figure import write_design_figure  # noqa: PLC0415
 
         write_design_figure(figure, document)
@@ -115,23 +127,6 @@ def _check(name: str, value: float | None) -> None:
         remedy="leave the option out where the bound is not known: what depends on it is then null"
         if bound
         else "leave the option out for the aircraft's default condition",
-    )
-
-
-def _check_figure(file: Path) -> None:
-    if file.suffix not in _KINDS:
-        found, remedy = file.suffix or "no ending", f"write {file.stem}.png"
-    elif not file.parent.is_dir():
-        found, remedy = f"no folder {file.parent}", "make the folder first"
-    elif file.is_dir():
-        found, remedy = "a folder", "name a file"
-    else:
-        return
-    raise InputError(
-        f"--figure {file}",
-        found=found,
-        expected=f"a file ending in {', '.join(_KINDS)}, in a folder that exists",
-        remedy=remedy,
     )
 
 

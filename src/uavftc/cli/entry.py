@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NoReturn
+from uavftc.cli import early
 
-from uavftc.cli import interrupt
-
-interrupt.end_at_once()
+early.end_at_once()
 
 
-def main() -> NoReturn:
+def main() -> None:
     """Entry point of `uavftc`."""
     from uavftc.cli.app import main as run  # noqa: PLC0415
 
     run()
 
 
-def main_fly() -> NoReturn:
+def main_fly() -> None:
     """Entry point of `uavftc-fly`."""
     from uavftc.cli.app import main_fly as run  # noqa: PLC0415
 

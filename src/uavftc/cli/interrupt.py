@@ -4,29 +4,21 @@ from __future__ import annotations
 
 import _thread
 import contextlib
-import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from types import FrameType
 
-INTERRUPTED = 130  # 128 + SIGINT, the shell's convention
+from uavftc.cli import early
 
 _seen = threading.Event()
 
 
-def at_once(_number: int = signal.SIGINT, _frame: FrameType | None = None) -> None:
-    """End the process: nothing was begun yet, or all is done."""
-    with contextlib.suppress(OSError):
-        os.write(2, b"interrupted\n")
-    os._exit(INTERRUPTED)
-
-
 def end_at_once() -> None:
     """From here on, Ctrl-C ends the process at once, unless somebody else has the signal, or it is ignored."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, at_once)
+    early.end_at_once()
+    if signal.getsignal(signal.SIGINT) is early.at_once:
         sys.unraisablehook = _unraisable
 
 
@@ -34,7 +26,7 @@ def end_at_once() -> None:
 def raising() -> Iterator[None]:
     """Within, Ctrl-C is Python's KeyboardInterrupt, so that a command clears up behind itself."""
     before = signal.getsignal(signal.SIGINT)
-    ours = before is at_once
+    ours = before is early.at_once
     try:
         if ours:
             signal.signal(signal.SIGINT, _raise)

@@ -11,7 +11,7 @@ from typing import ParamSpec
 import typer
 
 from uavftc.cli import interrupt
-from uavftc.cli.interrupt import INTERRUPTED
+from uavftc.cli.early import INTERRUPTED
 from uavftc.errors import InputError
 
 UNEXPECTED = 1

@@ -61,7 +61,7 @@ def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> No
             "-" if mode["time_constant_s"] is None else f"{mode['time_constant_s']:.4g}",
         )
         table.add_row(*map(Text, cells), style="red" if real > 0.0 else "")
-    console.print(table)
+    _print_table(console, table)
     authority, controllability = document["authority"], document["controllability"]
     limits = document["limits_rad"]
     table = _table("", "limits\n[deg]", "step\n[deg]", "at once\n[deg]", "held\n[deg]", "authority\n")
@@ -73,7 +73,7 @@ def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> No
         else:
             row += [_deg(found["first_rad"]), _deg(found["steady_rad"]), times(found["ratio"])]
         table.add_row(*map(Text, row), style="" if found and found["ratio"] >= 1.0 else "red")
-    console.print(table)
+    _print_table(console, table)
     if unknown := [n for n, measured in zip(SURFACES, document["deflection_measured"], strict=True) if not measured]:
         line(f"deflection not reported by the aircraft, full command counts as 20 deg: {', '.join(unknown)}")
     condition = controllability["condition"]
@@ -93,12 +93,12 @@ def _print_loop(console: Console, line: Line, document: dict[str, Any]) -> None:
         ("K_0", "linear feedback, rad per rad/s"),
         ("P", "of the Lyapunov equation"),
     )
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_header=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_header=False, show_edge=False)
     for name, what in matrices:
         rows = document[name] or []
         text = "\n".join(" ".join(f"{fixed(value):>9}" for value in row) for row in rows) or "none"
         table.add_row(Text(name, style="bold"), Text(text), Text(what))
-    console.print(table)
+    _print_table(console, table)
     for name in ("A_m", "A_s"):
         line(f"eigenvalues of {name}: {', '.join(complex_text(*pair) for pair in document[f'eigenvalues_{name}'])}")
     table = _table("", "with A_s (printed)", "with A_m")
@@ -113,7 +113,7 @@ def _print_loop(console: Console, line: Line, document: dict[str, Any]) -> None:
     )
     for label, key in figures:
         table.add_row(Text(label), *(Text(_cell(document[key + suffix])) for suffix in ("", "_A_m")))
-    console.print(table)
+    _print_table(console, table)
     for key in ("condition_reason", "lipschitz_max_is", "reason"):
         texts = {document[key + suffix] for suffix in ("", "_A_m")} - {None}
         for text in sorted(texts):
@@ -149,10 +149,17 @@ def _print_flight(line: Line, scenario: str, flown: dict[str, Any]) -> None:
 
 
 def _table(*headers: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    """Return a table of narrow columns: in 80 characters every number is whole."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 0, 0, 1), show_edge=False)
     for header in headers:
-        table.add_column(Text(header), justify="left" if header in ("", "mode") else "right", no_wrap=True)
+        table.add_column(Text(header), justify="left" if header in ("", "mode") else "right", overflow="fold")
     return table
+
+
+def _print_table(console: Console, table: Table) -> None:
+    console.print()
+    console.print(table)
+    console.print()
 
 
 def _pairs(*rows: tuple[str, str]) -> Table:

@@ -1,13 +1,15 @@
-"""The list of aircraft for reading: one line each, in 100 columns."""
+"""The list of aircraft for reading: one line each, in 80 columns."""
 
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-HEADER = f"{'aircraft':<23}{'mass [kg]':>10}{'span [m]':>9}{'eng.':>5}  {'trim':<16}can be flown"
-_UNKNOWN = f"{'-':>10}{'-':>9}{'-':>5}  "
+WIDTH = 80
+HEADER = f"{'aircraft':<23}{'kg':>7}{'span m':>7}{'eng.':>5} {'trim':<16}can be flown"
+_UNKNOWN = f"{'-':>7}{'-':>7}{'-':>5} "
 _SHORTER = (
     (r"no steady flight: .*", "no steady flight found"),
     (r"JSBSim cannot initialise it: .*The property (\S+) does not exist", r"no property \1"),
@@ -19,9 +21,13 @@ _SHORTER = (
 )
 
 
-def lines(rows: Sequence[dict[str, Any]], width: int = 100) -> list[str]:
-    """Return header, a line a row of `jobs.design.fleet.fleet`, and the count; nothing is longer than `width`."""
-    return [HEADER, "-" * min(width, 100), *(_cut(line(row), width) for row in rows), "", _cut(count(rows), width)]
+def lines(rows: Sequence[dict[str, Any]], width: int = WIDTH) -> list[str]:
+    """Return header, a line a row of `jobs.design.fleet.fleet`, and the count.
+
+    What is longer than `width` goes on in the next line, indented.
+    """
+    body = [part for row in rows for part in _folded(line(row), width, " " * 43)]
+    return [HEADER, "-" * min(width, WIDTH), *body, "", *count(rows).splitlines()]
 
 
 def line(row: dict[str, Any]) -> str:
@@ -31,8 +37,8 @@ def line(row: dict[str, Any]) -> str:
         return f"{start}{_UNKNOWN}not measured yet"
     if not row["trims"]:
         return f"{start}{_UNKNOWN}{shorter(row['reason'])}"
-    start += f"{row['mass_kg']:>10.0f}" if row["mass_kg"] >= 100 else f"{row['mass_kg']:>10.1f}"
-    start += f"{'-' if row['span_m'] is None else format(row['span_m'], '.1f'):>9}{row['engines']:>5}"
+    start += f"{row['mass_kg']:>7.0f}" if row["mass_kg"] >= 100 else f"{row['mass_kg']:>7.1f}"
+    start += f"{'-' if row['span_m'] is None else format(row['span_m'], '.1f'):>7}{row['engines']:>5}"
     trim = f"{row['method']} {row['airspeed_mps']:g} m/s"
     if row["flyable"]:
         verdict = f"yes ({row['weakest_axis']} {times(row['ratio'])})"
@@ -40,7 +46,7 @@ def line(row: dict[str, Any]) -> str:
         verdict = f"no: {row['weakest_axis']} has {row['ratio']:.2f} of its need"
     else:
         verdict = f"no: {shorter(row['reason'])}"
-    return f"{start}  {trim:<16}{verdict}"
+    return f"{start} {trim:<16}{verdict}"
 
 
 def times(ratio: float) -> str:
@@ -62,8 +68,11 @@ def count(rows: Sequence[dict[str, Any]]) -> str:
     trimmed = sum(row["trims"] for row in known)
     text = f"{len(rows)} aircraft: {flyable} can be flown, {trimmed - flyable} trim but cannot be flown"
     text += f", {len(known) - trimmed} do not trim or load"
-    return text if len(known) == len(rows) else f"{text}, {len(rows) - len(known)} not measured yet"
+    return text if len(known) == len(rows) else f"{text},\n  {len(rows) - len(known)} not measured yet"
 
 
-def _cut(text: str, width: int) -> str:
-    return text if len(text) <= width else text[: width - 3].rstrip() + "..."
+def _folded(text: str, width: int, indent: str) -> list[str]:
+    if len(text) <= width:
+        return [text]
+    last = text.rfind(" ", 0, width + 1)  # the columns before are kept as they are
+    return [text[:last].rstrip(), *textwrap.wrap(text[last:], width, initial_indent=indent, subsequent_indent=indent)]

@@ -18,7 +18,8 @@ from uavftc.analysis.metrics import Metric
 from uavftc.core.signals import AXES
 from uavftc.report.table import cell, number, outcome_line
 
-MOST_COLUMNS = 4  # of flights, in 80 characters
+WIDTH = 80
+_LEAST = 11  # characters of a flight's column
 _SIZES = (
     ("attitude, rms [deg]", "attitude_deg", "rms"),
     ("attitude, largest [deg]", "attitude_deg", "largest"),
@@ -65,7 +66,7 @@ def _metric_table(flights: Sequence[dict[str, Any]]) -> Table:
     for flight in flights:
         lost = Text("") if flight["completed"] else Text("\nLOST", style="bold red")
         heading = Text(f"{flight['plant']}\n{flight['controller']}").append_text(lost)
-        table.add_column(heading, justify="right", min_width=11)
+        table.add_column(heading, justify="right", min_width=_LEAST, overflow="fold")
     for axis in AXES:
         table.add_row(Text(axis, style="bold"))
         for metric in metrics.METRICS:
@@ -149,12 +150,25 @@ def tidy_csv(document: dict[str, Any]) -> str:
 
 
 def _blocks(document: dict[str, Any]) -> Iterator[list[dict[str, Any]]]:
+    """Yield the flights for each table: all in one, or of each plant as many as fit next to each other."""
     flights = document["combinations"]
-    if len(flights) <= MOST_COLUMNS:
+    if _width(flights) <= WIDTH:
         yield flights
         return
     for plant in document["plants"]:
-        yield [flight for flight in flights if flight["plant"] == plant]
+        block: list[dict[str, Any]] = []
+        for flight in (flight for flight in flights if flight["plant"] == plant):
+            if block and _width([*block, flight]) > WIDTH:
+                yield block
+                block = []
+            block.append(flight)
+        yield block
+
+
+def _width(flights: Sequence[dict[str, Any]]) -> int:
+    """Return the characters that a table of these flights takes."""
+    names = (max(_LEAST, len(flight["plant"]), len(flight["controller"])) for flight in flights)
+    return max(len(metric.title) for metric in metrics.METRICS) + 1 + sum(name + 1 for name in names)
 
 
 def _size(entry: dict[str, Any], place: str, quantity: str, size: str) -> float | None:

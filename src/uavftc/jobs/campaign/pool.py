@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Sequence
+import signal
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 
 from uavftc.analysis.metrics import metrics_of
 from uavftc.flight.build import build_flight
@@ -13,6 +15,7 @@ from uavftc.flight.fly import fly_to_memory
 from uavftc.flight.recorder import published
 from uavftc.flight.trusted import TrustedRange
 from uavftc.results.flight import FlightResult, origin_of
+from uavftc.results.hold import Hold
 from uavftc.scenario.schema import Scenario
 
 WORTH_A_POOL = 8  # flights; a worker starts in about two seconds, a flight takes a fraction of one
@@ -40,6 +43,10 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     trusted.take(records)
     history = published(records) if keep_history else None
     return FlightResult(flight.scenario, outcome, axes, history, origin, trusted.remarks())
+
+
+def _fly_some(scenarios: Sequence[Scenario], keep_history: bool) -> list[FlightResult]:
+    return [fly_one(scenario, keep_history) for scenario in scenarios]
 
 
 def fly_all(
@@ -80,14 +87,35 @@ def fly_all(
     rest = scenarios[1:]
     # A fresh interpreter for each worker: JSBSim's logger belongs to the process that made it.
     context = multiprocessing.get_context("spawn")
+    others = set(multiprocessing.active_children())
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
         chunk = max(1, len(rest) // (8 * workers))
         try:
-            for flown in pool.map(fly_one, rest, [keep_history] * len(rest), chunksize=chunk):
-                done.append(flown)
+            with Hold(signal.SIGINT), _ctrl_c_is_for_this_process():  # the workers start within, all of them
+                flying = [pool.submit(_fly_some, rest[i : i + chunk], keep_history) for i in range(0, len(rest), chunk)]
+            for some in flying:
+                done += some.result()
                 if progress is not None:
                     progress(len(done))
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            # Ended, not cancelled: the pool's thread would stumble over a future that was cancelled, with a traceback.
+            for worker in set(multiprocessing.active_children()) - others:
+                worker.terminate()
             raise
     return done
+
+
+@contextmanager
+def _ctrl_c_is_for_this_process() -> Iterator[None]:
+    """Let what is started within never see a Ctrl-C, which a terminal sends to all: this process ends them itself.
+
+    A process begins with the signals blocked that were blocked where it was started, even before its imports.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -158,6 +158,12 @@ def cached(name: str) -> Row | None:
     return None
 
 
+def remember(name: str) -> None:
+    """Put the row of an aircraft that was just designed into the cache, if it is one of the list and not there yet."""
+    if name in names() and cached(name) is None:
+        _keep(name, row_of(name))
+
+
 def _keep(name: str, row: Row) -> None:
     if row["reason"] and "does not finish" in row["reason"]:  # the machine may have been busy
         return
