@@ -7,8 +7,8 @@
 For a change that must not change any flight. Each flight is `python -m uavftc fly ...` in a separate process, one at
 a time for each checkout, so only the command line has to stay as it is. It compares the exit code, `history.parquet`
 to the last bit (any NaN equals any NaN, null equals null; 0 and -0 differ), and `summary.json` without `timing`,
-`provenance` and `files` (checksums). Columns that NEW adds are reported but are no difference. Exit code 0: all
-identical; 1: not all; 2: nothing could be compared.
+`provenance`, `files` and `summary_sha256` (checksums). Columns that NEW adds are reported but are no difference. Exit
+code 0: all identical; 1: not all; 2: nothing could be compared.
 
 A checkout is flown by its own `.venv/bin/python`, or else by the one that runs this. Names such as `pid` are entry
 points of what is installed there: where they move, NEW needs a separate environment. Nothing is taken from an older
@@ -36,6 +36,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 TIME = "time_s"
+IGNORED = ("timing", "provenance", "files", "summary_sha256")  # of `summary.json`: clocks, machines and checksums
 LOST = 3  # exit code of a flight that is written up to the loss
 PATIENCE_S = 600.0  # for one flight, its compilation included
 PLANTS = ("jsbsim", "analytic")
@@ -335,7 +336,7 @@ def _difference(old: pa.ChunkedArray, new: pa.ChunkedArray) -> tuple[np.ndarray,
 
 def _summaries(old_path: Path, new_path: Path, found: Compared) -> None:
     old, new = (_flat(json.loads(path.read_text(encoding="utf-8"))) for path in (old_path, new_path))
-    keys = [key for key in dict.fromkeys([*old, *new]) if key.split(".")[0] not in ("timing", "provenance", "files")]
+    keys = [key for key in dict.fromkeys([*old, *new]) if key.split(".")[0] not in IGNORED]
     changed = [key for key in keys if old.get(key) != new.get(key)]
     if len(changed) > 3:  # their values would only say again what the columns say
         found.differences.append(f"summary {', '.join(changed)}")
