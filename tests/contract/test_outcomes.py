@@ -89,7 +89,7 @@ def test_a_flight_flown_twice_is_refused_and_nothing_is_recorded(plant: str) -> 
     _, outcome = fly_to_memory(flight)
     assert outcome.completed
     again = MemoryRecorder()
-    with pytest.raises(RuntimeError, match="build_flight"):
+    with pytest.raises(RuntimeError, match=r"flown already.*build it again with build_flight"):
         fly(flight, [again])
     assert len(again.records()) == 0
     _, anew = fly_to_memory(build_flight(flight.scenario))
@@ -119,6 +119,57 @@ def test_ctrl_c_in_a_mission_keeps_what_was_flown(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8")) == document
     assert len(read_history(tmp_path / "run" / "history.parquet")["time_s"]) == outcome.rows
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler  # handed back
+
+
+SLOW = """
+import signal, time
+def create(design, h, options):
+    def step(t, x1_c, x1, x2):
+        if t > 0.5:
+            for _ in range(options["presses"]):
+                signal.raise_signal(signal.SIGINT)
+            time.sleep(options["sleep"])
+        return 0, 0, 0
+    return step
+"""
+
+
+@pytest.mark.parametrize("plant", ["analytic", "jsbsim"])
+@pytest.mark.parametrize(("presses", "sleep", "rows"), [(1, 0.0, 102), (2, 3600.0, 101)])
+def test_ctrl_c_waits_for_one_python_step_at_most_and_a_second_breaks_into_it(
+    tmp_path: Path, plant: str, presses: int, sleep: float, rows: int
+) -> None:
+    # the step at 0.505 s: the first Ctrl-C lets it end, the second does not; the rows before it are kept either way
+    file = tmp_path / "mine.py"
+    file.write_text(SLOW, encoding="utf-8")
+    options = (f"controller.options={{presses: {presses}, sleep: {sleep}}}", "controller.timeout_s=60")
+    scenario = load_scenario("scenario1", plant=plant, controller=str(file), overrides=options)
+    document, outcome = fly_mission(scenario, tmp_path / "run", figures=False)
+    assert outcome.interrupted
+    assert document["ended_because"].startswith("interrupted by the user")
+    history = read_history(tmp_path / "run" / "history.parquet")
+    assert len(history["time_s"]) == outcome.rows == rows
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_ctrl_c_in_a_python_step_is_pythons_own_where_nobody_asked_to_stop(tmp_path: Path) -> None:
+    # a comparison must not take it for a failure of the controller, and go on
+    file = tmp_path / "mine.py"
+    file.write_text(SLOW, encoding="utf-8")
+    options = ("controller.options={presses: 1, sleep: 0}",)
+    flight = build_flight(load_scenario("scenario1", plant="analytic", controller=str(file), overrides=options))
+    with pytest.raises(KeyboardInterrupt):
+        fly_to_memory(flight)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_row_of_many_plant_steps_is_a_slice_of_its_own() -> None:
+    # Ctrl-C and the progress bar wait for 2048 plant steps at most: with 1000 in a row, for two rows
+    overrides = ("simulation.substeps=1000", "duration_s=0.1")
+    flight = build_flight(load_scenario("scenario1", plant="analytic", overrides=overrides))
+    seen: list[int] = []
+    assert fly(flight, [], seen.append).completed
+    assert seen == [2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 21]
 
 
 def test_a_second_ctrl_c_in_a_mission_acts_at_once_and_nothing_is_written(tmp_path: Path) -> None:

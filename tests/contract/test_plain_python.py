@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import pytest
 import uavftc
 from flying import flown
 from uavftc.core.signals import COLUMNS, EFFECTOR, column
+from uavftc.results.history import read_history
 
 FLY = """
 import sys
@@ -58,3 +60,33 @@ def test_a_flight_in_plain_python_is_the_compiled_one(plant, overrides, tmp_path
     for name in EFFECTOR.names:
         found, expected = plain["effectors"][name], compiled["effectors"][name]
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12, err_msg=name)
+
+
+BRITTLE = """
+import numpy as np
+from uavftc.core.stage import Stage, law
+def params(design, h, options): return np.zeros(1, PARAMS)
+PARAMS = STATE = np.dtype([("nothing", "f8")])
+@law
+def step(p, s, row):
+    if row.t > 0.501:
+        raise ValueError("enough")
+stage = Stage(step, PARAMS, STATE)
+"""
+
+
+def test_the_command_in_plain_python_flies_draws_and_ends_as_the_compiled_one(tmp_path):
+    # a flight to its end; and a law that raises, which ends it with exit code 3 and its name, not with a traceback
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(Path(uavftc.__file__).parents[1])}
+    (tmp_path / "mine.py").write_text(BRITTLE, encoding="utf-8")
+    fly = [sys.executable, "-m", "uavftc", "fly", "scenario3", "--set", "duration_s=1"]
+    for more, code in ((["--out", "a"], 0), (["--out", "b", "--no-plots", "--controller", "mine.py"], 3)):
+        done = subprocess.run([*fly, *more], env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (code, "")
+    summary = json.loads((tmp_path / "b" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["ended_because"].startswith("the law custom raised ValueError: enough; ")
+    assert summary["ended_because"].endswith("mine.py, line 9, at t = 0.505 s")
+    history = read_history(tmp_path / "a" / "history.parquet")
+    _, compiled, _ = flown("scenario3", "jsbsim", None, ("duration_s=1",))
+    for c in COLUMNS:
+        np.testing.assert_allclose(history[c.name], column(compiled, c.name), rtol=1e-12, atol=1e-12, err_msg=c.name)

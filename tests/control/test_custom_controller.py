@@ -224,12 +224,93 @@ def test_an_exception_during_the_flight_ends_it_with_the_history_up_to_there(fly
         assert np.all(np.isfinite(records["v2"]))
 
 
-@pytest.mark.parametrize("result", ["(0, 0)", "None", "5.0", "[0, 'x', 0]", "(0, 0, 0), {'v1': [1, 2]}"])
+HOSTILE = "type('A', (), {'__array__': lambda s, *a, **k: 1 / 0, '__repr__': lambda s: 1 / 0})()"
+RESULTS = [
+    "(0, 0)",
+    "None",
+    "5.0",
+    "[0, 'x', 0]",
+    "(0, 0, 0), {'v1': [1, 2]}",
+    "[0j, 0j, 0j]",
+    "['1', '2', '3']",
+    "'123'",
+]
+RESULTS += ["{0: 1, 1: 1, 2: 1}", "[10**400, 0, 0]", "[True] * 3", HOSTILE, f"[0, 0, 0], {{'v1': {HOSTILE}}}"]
+
+
+@pytest.mark.parametrize("result", RESULTS)
 def test_a_result_that_turns_wrong_in_flight_ends_it(fly, result):
     _, records, outcome = fly(python_of(f"return ({result}) if t > 0.5 else (0, 0, 0)"), "analytic")
     assert "expected three numbers" in outcome.ended_because
     assert "mine.py" in outcome.ended_because
     assert records["t"][-1] == 0.5
+
+
+@pytest.mark.parametrize("result", RESULTS)
+def test_a_result_is_refused_at_the_trial_as_in_flight(fly, result):
+    with pytest.raises(InputError, match="three numbers"):
+        fly(python_of(f"return ({result})"), "analytic")
+
+
+ENDS = [
+    "raise KeyboardInterrupt",
+    "raise SystemExit(0)",
+    "raise GeneratorExit",
+    "raise ValueError(chr(0xd800) + chr(27))",
+]
+
+
+@pytest.mark.parametrize("body", ENDS)
+def test_whatever_a_step_raises_is_the_controllers_failure_and_can_be_printed(fly, body):
+    with pytest.raises(InputError, match="line 4") as error:
+        fly(python_of(body), "analytic")
+    assert error.value.found.isprintable()
+    _, records, outcome = fly(python_of(f"if t > 0.5: {body}\nreturn 0, 0, 0"), "analytic", name="later.py")
+    assert outcome.ended_because.startswith("the controller failed: ")
+    assert outcome.ended_because.isprintable()
+    assert records["t"][-1] == 0.5
+
+
+def test_a_step_that_blocks_ends_the_flight_at_its_time_limit(fly):
+    body = "if t > 0.5:\n    import time; time.sleep(3600)\nreturn 0, 0, 0"
+    _, records, outcome = fly(python_of(body), "jsbsim", "controller.timeout_s=0.2")
+    assert "took longer than controller.timeout_s, 0.2 s; " in outcome.ended_because
+    assert "mine.py, line 5" in outcome.ended_because
+    assert records["t"][-1] == 0.5
+    with pytest.raises(InputError, match=r"raise controller\.timeout_s"):
+        fly(python_of("import time; time.sleep(3600)"), "analytic", "controller.timeout_s=0.2")
+
+
+def compiled_that(action):
+    """Return the source of a compiled law that does this at last."""
+    return COMPILED.replace("\nstage =", f"    {action}\n\nstage =").replace("\n\n    ", "\n    ")
+
+
+@pytest.mark.parametrize("status", ["7", "2", "-1", "-250", "np.nan"])
+def test_a_compiled_law_may_not_set_the_status(fly, status):
+    # it says how a vehicle is lost: any other number had no words, and these had the wrong ones
+    with pytest.raises(InputError, match=r"writes row.status"):
+        fly(compiled_that(f"row.status = {status}"), "analytic")
+    later = compiled_that(f"if row.t > 0.501: row.status = {status}")
+    _, records, outcome = fly(later, "analytic", name="later.py")
+    assert outcome.ended_because.startswith("the controller set row.status")
+    assert records["t"][-1] == 0.5
+
+
+def test_a_compiled_law_that_raises_is_reported_with_its_line_at_the_trial_and_its_name_in_flight(fly):
+    with pytest.raises(InputError, match="ValueError: enough") as error:
+        fly(compiled_that("raise ValueError('enough')"), "analytic")
+    assert "raise ValueError('enough')" in error.value.found
+    later = compiled_that("if row.t > 0.501: raise ValueError('enough')")
+    _, records, outcome = fly(later, "jsbsim", name="later.py")
+    assert outcome.ended_because == "the law custom raised an exception, at t = 0.505 s"
+    assert records["t"][-1] == 0.5
+
+
+def test_a_module_whose_getattr_raises_is_reported_with_its_line(fly):
+    with pytest.raises(InputError, match="RuntimeError: no create") as error:
+        fly("def __getattr__(name):\n    raise RuntimeError(f'no {name}')", "analytic")
+    assert error.value.remedy == "correct line 2"
 
 
 def test_a_result_that_is_no_number_any_more_is_the_watchs(fly):

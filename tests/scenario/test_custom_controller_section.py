@@ -73,6 +73,9 @@ def test_the_option_takes_the_place_of_the_whole_section_but_for_rate_and_delay(
     own = "controller: {kind: pid, options: {rate_bandwidth: 2}, rate_hz: 100}"
     assert load(own, controller="pid").controller.options == {"rate_bandwidth": 2}
     assert load(own, controller="lqi").controller == CustomController(kind="lqi", rate_hz=100.0)
+    timed = "controller: {kind: pid, timeout_s: 2}"
+    assert load(timed, controller="lqi").controller.timeout_s == 2.0
+    assert controller_name(load(timed, controller="ndi-l1")) == "ndi-l1"  # compiled laws are not timed: it is dropped
     back = load(own, controller="ndi-l1")
     assert controller_name(back) == "ndi-l1"
     assert back.controller.rate_hz == 100.0
@@ -121,7 +124,11 @@ WRONG = [
     ("controller: {kind: pid, options: 5}", 3, "controller.options", ["5", "section"]),
     ("controller: {kind: pid, options: {a: [.inf]}}", 3, "controller.options.a[0]", ["inf", "finite number"]),
     ("controller: {kind: pid, options: {a: 9223372036854775808}}", 3, "controller.options.a", ["64 bits"]),
-    ("controller: {kind: pid, rate_hz: 0}", 3, "controller.rate_hz", ["greater than 0"]),
+    ("controller: {kind: pid, rate_hz: 0}", 3, "controller.rate_hz", ["at least 1"]),
+    ("controller: {kind: pid, rate_hz: 0.5}", 3, "controller.rate_hz", ["at least 1"]),
+    ("controller: {kind: pid, timeout_s: 0}", 3, "controller.timeout_s", ["at least 0.001"]),
+    ("controller: {kind: pid, timeout_s: 1e6}", 3, "controller.timeout_s", ["at most 86400"]),
+    ("controller: {timeout_s: 5}", 3, "controller.timeout_s", ["unknown key"]),
     ("controller: {kind: pid, delay_s: -1}", 3, "controller.delay_s", ["at least 0"]),
 ]
 

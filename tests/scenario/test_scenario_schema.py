@@ -91,7 +91,7 @@ REFUSED = [
     ("reference: {phi_deg: t.real}", 3, "reference.phi_deg", ["'t.real'", "'.' is not allowed"]),
     ("reference:\n  phi_deg: 1\n  theta_deg: 1/(t - 5)", 5, "reference.theta_deg", ["is inf at t = 5 s"]),
     ("controller: 5", 3, "controller", ["section"]),
-    ("controller: {rate_hz: 0}", 3, "controller.rate_hz", ["greater than 0, Hz"]),
+    ("controller: {rate_hz: 0}", 3, "controller.rate_hz", ["at least 1, Hz"]),
     ("controller: {rate_hz: 20000}", 3, "controller.rate_hz", ["at most 10000"]),
     ("controller: {rate_hz: .inf}", 3, "controller.rate_hz", ["finite"]),
     ("controller: {delay_s: -0.1}", 3, "controller.delay_s", ["at least 0, s"]),

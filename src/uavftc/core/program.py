@@ -13,7 +13,9 @@ compiled call.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 
 import numba
 import numpy as np
@@ -29,7 +31,13 @@ from uavftc.core.stage import COMPILED, RAW, Block, PythonBlock, StepFailed
 STEP_FAILED = -1.0
 """Status of a row at which a step in plain Python failed."""
 
-RAISED = -2.0
+STOPPED = -2.0
+"""Status of a row that was not flown, or not to its end, because the user wants the flight to end."""
+
+STATUS_SET = -3.0
+"""Status of a row at which a law from outside set one, which is not its to set."""
+
+RAISED = -10.0
 """Status of a row at which a compiled law raised: this less the place of its block in the program."""
 
 ROW_BYTES, EFFECTOR_BYTES = ROW.itemsize, EFFECTOR.itemsize
@@ -69,6 +77,8 @@ class Program:
             raise ValueError(f"two blocks of one name among {', '.join(self.names)}")
         self.failure: str | None = None
         """Why a step failed, once one has."""
+        self.stop: Callable[[], bool] | None = None
+        """Asked before each row at which a step in plain Python stands whether the user wants the flight to end."""
         self._substeps = substeps
         self._rows: np.ndarray | None = None
         self._bound: Run = lambda first, last: last
@@ -111,7 +121,11 @@ class Program:
         pairs = [(table.on(rows), block.step) for table, block in zip(before, self._python, strict=True)]
 
         def run(first: int, end: int) -> int:
+            stop = self.stop
             for k in range(first, end):
+                if stop is not None and stop():
+                    rows[k, _STATUS] = STOPPED
+                    return k
                 for compiled, step in pairs:
                     compiled(k, k + 1)
                     try:
@@ -120,11 +134,29 @@ class Program:
                         self.failure = str(failure)
                         rows[k, _STATUS] = STEP_FAILED
                         return k
+                    except KeyboardInterrupt:  # a second Ctrl-C, in a step that the first one waits for
+                        if stop is None or not stop():
+                            raise
+                        rows[k, _STATUS] = STOPPED
+                        return k
                 if final(k, k + 1) == k:
                     return k
             return end
 
         return run
+
+    @property
+    def in_python(self) -> bool:
+        """Whether a step in plain Python is among the blocks."""
+        return bool(self._python)
+
+    @contextmanager
+    def around(self) -> Iterator[None]:
+        """Open what its steps in plain Python want open around a flight."""
+        with ExitStack() as stack:
+            for block in self._python:
+                stack.enter_context(block.around())
+            yield
 
     def run(self, rows: np.ndarray, first: int, last: int) -> int:
         """Run all blocks on rows `first` to `last - 1`; return the row at which one set `status`, or `last`."""
@@ -147,7 +179,11 @@ class Program:
     def why(self, status: float) -> str | None:
         """Return which step failed at a row of this status and why, or None if none did."""
         if status <= RAISED:
-            return f"the law {self.names[round(RAISED - status)]} raised an exception"
+            error = next((table.error for table in (*self._tables, self._again) if table.error), None)
+            law = f"the law {self.names[round(RAISED - status)]} raised"
+            return f"{law} an exception" if error is None else f"{law} {error}"
+        if status == STATUS_SET:
+            return "the controller set row.status, which says how a vehicle is lost and is not for a law to set"
         return self.failure if status == STEP_FAILED else None
 
 
@@ -155,7 +191,9 @@ class _Table:
     """Compiled blocks with their places in the program, as the kernel runs them."""
 
     def __init__(self, blocks: Sequence[tuple[int, Block]]) -> None:
-        self._blocks = [block for _, block in blocks]
+        self._blocks = blocks
+        self.error: str | None = None
+        """What a law raised, where the laws run in plain Python and one did."""
         if COMPILED:
             entries = [_entry(place, block) for place, block in blocks]
             self._table = np.array(entries, dtype=np.int64).reshape(-1, _COLUMNS)
@@ -166,7 +204,7 @@ class _Table:
         """Return the blocks bound to rows; the last `repeated` of them run `substeps` times on each row."""
         copy = np.zeros((1, rows.shape[1]))
         if not COMPILED:
-            return functools.partial(_run_in_python, self._blocks, repeated, substeps, copy, rows)
+            return functools.partial(self._in_python, repeated, substeps, copy, rows)
         n = len(self._blocks)
         bound = np.array(
             [
@@ -177,6 +215,34 @@ class _Table:
         run = functools.partial(self._kernel, bound.ctypes.data)
         self._kept = (self._table, copy, rows, bound)  # addresses keep nothing alive
         return run
+
+    def _in_python(
+        self, repeated: int, substeps: int, copy: np.ndarray, rows: np.ndarray, first: int, last: int
+    ) -> int:
+        """Run as the kernel does, law by law in plain Python."""
+        n = len(self._blocks)
+        for k in range(first, last):
+            raised = self._blocks_in_python(0, rows[k])
+            for _ in range(1, substeps):
+                copy[0] = rows[k]
+                raised = min(raised, self._blocks_in_python(n - repeated, copy[0]))
+            if raised != 0.0:
+                rows[k, _STATUS] = raised
+            if rows[k, _STATUS] != 0.0:
+                return k
+        return last
+
+    def _blocks_in_python(self, first: int, row: np.ndarray) -> float:
+        for place, block in self._blocks[first:]:
+            try:
+                run_in_python(block, row)
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:  # as a compiled law that raises, whatever it is
+                line = traceback.extract_tb(error.__traceback__)[-1]
+                self.error = f"{type(error).__name__}: {error}; {line.filename}, line {line.lineno}"
+                return RAISED - place
+        return 0.0
 
 
 _ADDRESS, _PARAMS, _PARAMS_STRIDE, _STATE, _STATE_STRIDE, _COUNT, _PLACE, _COLUMNS = range(8)
@@ -190,30 +256,16 @@ def _entry(place: int, block: Block) -> tuple[int, ...]:
     return block.stage.address, params.ctypes.data, strides[0], state.ctypes.data, strides[1], count, place
 
 
-def _run_in_python(
-    blocks: Sequence[Block], repeated: int, substeps: int, copy: np.ndarray, rows: np.ndarray, first: int, last: int
-) -> int:
-    """Run as the kernel does, law by law in plain Python."""
-    for k in range(first, last):
-        _blocks_in_python(blocks, rows[k])
-        for _ in range(1, substeps):
-            copy[0] = rows[k]
-            _blocks_in_python(blocks[len(blocks) - repeated :], copy[0])
-        if rows[k, _STATUS] != 0.0:
-            return k
-    return last
-
-
-def _blocks_in_python(blocks: Sequence[Block], row: np.ndarray) -> None:
+def run_in_python(block: Block, row: np.ndarray) -> None:
+    """Run the law of a block in plain Python, on the row or on each of its effectors."""
     signals = _records(row[:ROW_WIDTH].view(ROW))[0]
+    step, params, state = block.stage.python, _records(block.params), _records(block.state)
+    if not block.stage.on_effector:
+        step(params[0], block.state if block.stage.state == RAW else state[0], signals)
+        return
     effectors = _records(row[ROW_WIDTH:].view(EFFECTOR))
-    for block in blocks:
-        step, params, state = block.stage.python, _records(block.params), _records(block.state)
-        if not block.stage.on_effector:
-            step(params[0], block.state if block.stage.state == RAW else state[0], signals)
-            continue
-        for i in range(max(len(params), len(state))):
-            step(params[i if len(params) > 1 else 0], state[i if len(state) > 1 else 0], effectors[i], signals)
+    for i in range(max(len(params), len(state))):
+        step(params[i if len(params) > 1 else 0], state[i if len(state) > 1 else 0], effectors[i], signals)
 
 
 def _records(array: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, NamedTuple
 
 import numba
@@ -122,6 +123,8 @@ class PythonBlock(NamedTuple):
 
     name: str
     step: Callable[[np.ndarray], None]
+    around: Callable[[], AbstractContextManager[object]] = nullcontext
+    """What is open around a flight of it."""
 
 
 class StepFailed(Exception):  # noqa: N818 - it ends a flight, and says why

@@ -98,7 +98,7 @@ def controller_blocks(scenario: Scenario, given: Given) -> list[Block | PythonBl
     """Return the controller as blocks: outer and inner loop, or a custom module."""
     controller = scenario.controller
     if isinstance(controller, CustomController):
-        return custom_blocks(controller.kind, given.design, given.h, controller.options)
+        return custom_blocks(controller.kind, given.design, given.h, controller.options, timeout_s=controller.timeout_s)
     loops = [
         (kinds(part)[loop.kind], loop) for part, loop in (("outer", controller.outer), ("inner", controller.inner))
     ]

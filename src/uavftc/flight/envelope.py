@@ -52,7 +52,7 @@ def reason(params: np.void, row: np.void) -> str:
     params, row
         Records of `PARAMS` and `signals.ROW`, the row being the one with a status.
     """
-    code = int(row["status"])
+    code = row["status"]
     bank, pitch = np.degrees(row["x1"][:2])
     what = {
         NOT_A_NUMBER: "a state or command is not a number",
@@ -61,5 +61,5 @@ def reason(params: np.void, row: np.void) -> str:
         SLOW: f"airspeed outside the envelope: {row['airspeed']:.2f} m/s, lower limit {params['airspeed_min']:g} m/s",
         FAST: f"airspeed outside the envelope: {row['airspeed']:.2f} m/s, upper limit {params['airspeed_max']:g} m/s",
         GROUND: "ground contact",
-    }[code]
+    }.get(code, f"a status of {code:g}, which is none of the envelope's")
     return f"{what}, at t = {row['t']:.3f} s"

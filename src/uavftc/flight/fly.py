@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from uavftc.core.program import STOPPED
 from uavftc.core.signals import as_records, empty_rows
 from uavftc.flight import envelope
 from uavftc.flight.build import Flight
@@ -16,6 +17,8 @@ from uavftc.flight.recorder import MemoryRecorder, Recorder
 
 CHUNK_ROWS = 16384  # rows held in memory, and handed on, at a time
 SLICE_ROWS = 256  # rows flown between two calls of `progress` and `stop`
+SLICE_PLANT_STEPS = 2048  # at most in a slice of more than one row: a row of many plant steps takes its time
+SLICE_ROWS_PYTHON = 16  # where a step in plain Python stands, which may be slow; `stop` is asked at each row then
 
 _flown: weakref.WeakValueDictionary[int, Flight] = weakref.WeakValueDictionary()
 """Flights flown already, by identity: as dataclasses they would be compared array by array."""
@@ -53,8 +56,9 @@ def fly(
     progress
         Called with the number of rows flown so far.
     stop
-        Called every `SLICE_ROWS` rows; if it returns true, the flight ends there, and the rows flown so far
-        are recorded. Ctrl-C by itself is left to Python: KeyboardInterrupt, and the recorders are not complete.
+        Called every `SLICE_ROWS` rows, and at every row where the program has a step in plain Python; if it returns
+        true, the flight ends there, and the rows flown so far are recorded, also if a KeyboardInterrupt is raised
+        while it returns true. Any other Ctrl-C is left to Python: KeyboardInterrupt, and the recorders are incomplete.
 
     Raises
     ------
@@ -66,6 +70,18 @@ def fly(
             "this flight was flown already, and its vehicle is where it ended; build it again with build_flight"
         )
     _flown[id(flight)] = flight
+    flight.program.stop = stop
+    with flight.program.around():
+        return _fly(flight, recorders, progress, stop)
+
+
+def _fly(
+    flight: Flight,
+    recorders: Sequence[Recorder],
+    progress: Callable[[int], None] | None,
+    stop: Callable[[], bool] | None,
+) -> Outcome:
+    slice_rows = _slice_rows(flight)
     total = flight.steps + 1
     wall_s = 0.0
     done = 0
@@ -80,13 +96,20 @@ def fly(
         flown = 0
         started = time.perf_counter()
         while flown < n and lost is None and not stopped:
-            last = min(flown + SLICE_ROWS, n)
-            flown = flight.plant.run(flight.program, rows, flown, last)
+            last = min(flown + slice_rows, n)
+            try:
+                flown = flight.plant.run(flight.program, rows, flown, last)
+            except KeyboardInterrupt:  # a second Ctrl-C, between two steps: the rows of this slice are not kept
+                if stop is None or not stop():
+                    raise
+                stopped = True
+                break
             if flown < last:
-                lost = records[flown].copy()
+                stopped = records["status"][flown] == STOPPED
+                lost = None if stopped else records[flown].copy()
             if progress is not None:
                 progress(done + flown)
-            stopped = stop is not None and stop()
+            stopped = stopped or (stop is not None and stop())
         wall_s += time.perf_counter() - started
         # the row outside the envelope is still valid, unless it is not a number or has no command
         keep = flown + (lost is not None and lost["status"] > envelope.NOT_A_NUMBER)
@@ -99,6 +122,14 @@ def fly(
         at = max(done - 1, 0) / flight.scenario.controller.rate_hz
         return Outcome(False, f"interrupted by the user, at t = {at:.3f} s", at, True, done, wall_s)
     return Outcome(True, None, None, False, done, wall_s)
+
+
+def _slice_rows(flight: Flight) -> int:
+    """Return how many rows are flown before `progress` and `stop` are called again."""
+    if flight.program.in_python:
+        return SLICE_ROWS_PYTHON
+    substeps = round(flight.given.h / flight.given.plant_step)
+    return max(1, min(SLICE_ROWS, SLICE_PLANT_STEPS // substeps))
 
 
 def _reason(flight: Flight, lost: np.void) -> str:

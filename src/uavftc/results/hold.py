@@ -28,6 +28,7 @@ class Hold:
         self._before: dict[int, Any] = {}
         self._noted: list[int] = []
         self._acts_at = 0  # the how-manyth Ctrl-C is no longer held; 0 holds all
+        self._second_acted = False  # and whoever catches its KeyboardInterrupt keeps what there is
 
     def __enter__(self) -> Hold:
         if threading.current_thread() is threading.main_thread():
@@ -50,16 +51,17 @@ class Hold:
         self._noted.append(number)
         if number == signal.SIGINT and 0 < self._acts_at <= self._noted.count(number):
             self._noted.clear()
+            self._second_acted = self._acts_at == 2
             self._acts_at = 0
             raise KeyboardInterrupt
 
     def interrupted(self) -> bool:
         """Return whether there was a Ctrl-C."""
-        return signal.SIGINT in self._noted
+        return self._second_acted or signal.SIGINT in self._noted
 
     def take(self) -> bool:
         """Return whether there was a Ctrl-C, which then does nothing more."""
-        was = self.interrupted()
+        was, self._second_acted = self.interrupted(), False
         self._noted = [number for number in self._noted if number != signal.SIGINT]
         return was
 

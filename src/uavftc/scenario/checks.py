@@ -15,6 +15,10 @@ from uavftc.scenario.controllers import LOOPS, Controller
 Scenario = Any  # of `schema.py`, which imports this file
 
 MAX_SAMPLES = 20_000_000
+MAX_SUBSTEPS = 1000  # plant steps a controller step
+MAX_PLANT_STEPS = 200_000_000  # of a flight: JSBSim takes about an hour for them
+MAX_DELAY_STEPS = 10_000_000  # plant steps that a command waits, 8 bytes each for every effector
+MIN_JSBSIM_STEP_S = 5e-6  # s; JSBSim settles for 5 s before a flight, a million steps: some 5 s of waiting
 WHOLE = 1e-9  # relative; how near duration_s * rate_hz must be to a whole number
 _CHUNK = 1_000_000  # samples checked at once, to bound the memory
 
@@ -72,7 +76,46 @@ def _sampling(scenario: Scenario) -> list[Problem]:
         expected = f"a whole number of samples, at least 1; the nearest is {whole / rate!r} s ({whole} samples)"
         remedy = f"set duration_s to {whole / rate!r} or change controller.rate_hz"
         return [Problem(("duration_s",), found, expected, remedy)]
+    return _plant_steps(scenario)
+
+
+def _plant_steps(scenario: Scenario) -> list[Problem]:
+    """Return what makes the plant take more steps than can be waited for, or held in memory; the first one only."""
+    steps, substeps, rate = scenario.steps, scenario.substeps, scenario.controller.rate_hz
+    key = ("simulation", "substeps")
+    if substeps * steps > MAX_PLANT_STEPS:
+        found = f"{substeps} plant steps in each of {steps} controller steps: {substeps * steps} plant steps"
+        expected = f"at most {MAX_PLANT_STEPS} plant steps a flight"
+        return [Problem(key, found, expected, "shorten duration_s, or lower simulation.substeps where it is given")]
+    if scenario.plant == "jsbsim" and rate * substeps * MIN_JSBSIM_STEP_S > 1.0 + 1e-9:
+        found = (
+            f"{substeps} plant steps in each of {rate:g} controller steps a second: {1 / (rate * substeps):.3g} s each"
+        )
+        expected = f"plant steps of at least {MIN_JSBSIM_STEP_S:g} s on JSBSim, which settles for 5 s before a flight"
+        remedy = f"lower it to {int(1 / (rate * MIN_JSBSIM_STEP_S) + 1e-9)}, or lower controller.rate_hz"
+        return [Problem(key, found, expected, remedy)]
+    if (delayed := _delay_samples(scenario) * substeps) > MAX_DELAY_STEPS:
+        found = f"{scenario.controller.delay_s:g} s, {delayed:.0f} plant steps"
+        expected = f"at most {MAX_DELAY_STEPS} plant steps between command and surface"
+        remedy = "shorten the delay, or lower controller.rate_hz or simulation.substeps"
+        return [Problem(("controller", "delay_s"), found, expected, remedy)]
     return []
+
+
+def most_substeps(scenario: Scenario) -> int:
+    """Return how many plant steps a controller step may have within the bounds of this file."""
+    bounds = [MAX_SUBSTEPS, MAX_PLANT_STEPS // max(1, scenario.steps)]
+    if scenario.plant == "jsbsim":
+        bounds.append(int(1 / (scenario.controller.rate_hz * MIN_JSBSIM_STEP_S) + 1e-9))
+    if (delay := _delay_samples(scenario)) > 0.0:
+        bounds.append(int(min(MAX_DELAY_STEPS / delay, MAX_SUBSTEPS)))
+    return min(bounds)
+
+
+def _delay_samples(scenario: Scenario) -> float:
+    """Return how many controller steps a command waits; one longer than the flight waits as long as the flight."""
+    samples: float = min(scenario.controller.delay_s, scenario.duration_s) * scenario.controller.rate_hz
+    return samples
 
 
 def _signals(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Window, Signal]]:

@@ -16,11 +16,15 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from uavftc.actuators import CHAIN
 from uavftc.config.effect import configs, default_kind
-from uavftc.config.values import Model, Positive, Problem, refusal
+from uavftc.config.values import Model, Number, Problem, refusal
 from uavftc.control import inner, outer
 
 LOOPS = {"outer": outer, "inner": inner}
 """The two loops by their key in a scenario; each has `KINDS` and a `DEFAULT`."""
+
+
+Rate = Annotated[Number, Field(ge=1, le=10_000)]
+"""Controller steps a second; below 1 a sample would hide hundreds of plant steps."""
 
 
 def kinds(loop: str) -> dict[str, Any]:
@@ -50,8 +54,8 @@ class _Loops(Model):
     """law on the attitude"""
     inner: Annotated[_any_of("inner"), Field(discriminator="kind")] = inner.DEFAULT.Config()  # type: ignore[valid-type]
     """law on the body rates"""
-    rate_hz: Annotated[Positive, Field(le=10_000)] = 200.0
-    """rate at which both run, up to 10000"""
+    rate_hz: Rate = 200.0
+    """rate at which both run, 1 to 10000"""
 
 
 class Controller(*_LOOP_KEYS, _Loops):  # type: ignore[misc]
@@ -98,8 +102,12 @@ class _Module(Model):
         default_factory=dict
     )
     """handed to the module: finite numbers, texts, `true`, `false`, `null`, lists and maps"""
-    rate_hz: Annotated[Positive, Field(le=10_000)] = 200.0
-    """rate at which it runs, up to 10000"""
+    rate_hz: Rate = 200.0
+    """rate at which it runs, 1 to 10000"""
+    timeout_s: Annotated[Number, Field(ge=0.001, le=86_400)] = 10.0
+    """longest time that one step in plain Python may take, wall-clock, 0.001 to 86400; a longer step ends the flight,
+    also one that blocks (on the main thread of Linux and macOS; elsewhere, and in calls into compiled code, the time is
+    checked after the step returns); compiled controllers have no limit"""
 
 
 class CustomController(*_LOOP_KEYS, _Module):  # type: ignore[misc]

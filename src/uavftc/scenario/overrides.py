@@ -31,7 +31,8 @@ def set_controller(document: Document, name: str) -> None:
         return  # the schema reports what is wrong with it
     if section.get("kind", name) != name:  # another controller's options
         section.pop("options", None)
-    section.pop("kind", None)
+    if section.pop("kind", None) is not None and name in CONTROLLERS:
+        section.pop("timeout_s", None)  # a pair of laws is compiled, and not timed
     if name not in CONTROLLERS:
         for part in ("outer", "inner"):
             section.pop(part, None)

@@ -25,7 +25,7 @@ from uavftc.actuators.saturation import limits_rad
 from uavftc.config.effect import configs, default_kind, section
 from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Whole, refusal
 from uavftc.environment import KINDS
-from uavftc.scenario.checks import problems
+from uavftc.scenario.checks import MAX_SUBSTEPS, problems
 from uavftc.scenario.controllers import AnyController, Controller
 from uavftc.sensors import CHAIN as SENSORS
 
@@ -77,8 +77,9 @@ class Envelope(Model):
 class Simulation(Model):
     """How the plant is stepped: `substeps` plant steps a controller step; null chooses steps of at most 5 ms."""
 
-    substeps: Annotated[Whole, Field(ge=1, le=1000)] | None = None
-    """plant steps in one controller step, 1 to 1000; `null` is the fewest with steps of at most 5 ms"""
+    substeps: Annotated[Whole, Field(ge=1, le=MAX_SUBSTEPS)] | None = None
+    """plant steps in one controller step, 1 to 1000; `null` is the fewest with steps of at most 5 ms. A flight takes at
+    most 200 million of them, on JSBSim each of at least 5 us, and a delay at most 10 million"""
 
 
 FAULTS = configs(CHAIN, "ENTRY_OF", "faults")

@@ -8,25 +8,42 @@ copy before they fly; what is wrong with them is reported as the user's error.
 from __future__ import annotations
 
 import copy
+import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numba
 import numpy as np
 
-from uavftc.control.custom.checks import CREATE, PARAMETERS, STEP, call, require, shown, three_numbers
-from uavftc.control.custom.module import described, failed, load
+from uavftc.control.custom.checks import (
+    COMMAND,
+    CREATE,
+    PARAMETERS,
+    STEP,
+    TELEMETRY,
+    WrongResultError,
+    call,
+    outputs,
+    overdue,
+    require,
+)
+from uavftc.control.custom.guard import Guard, Overdue
+from uavftc.control.custom.module import attribute, failed, load
+from uavftc.control.custom.text import described, readable, shown
 from uavftc.core.given import ControlDesign
-from uavftc.core.program import Program
+from uavftc.core.program import RAISED, STATUS_SET, Program, run_in_python
 from uavftc.core.signals import ROW, as_records, empty_rows
 from uavftc.core.stage import COMPILED, RAW, Block, PythonBlock, Stage, StepFailed, law
 from uavftc.errors import InputError
 
-TELEMETRY = ("v1", "d1_hat", "f_hat")
+TIMEOUT_S = 10.0
 _TRIAL_RAD = 0.01  # commanded change of attitude of the trial: small against any limit
+_WRITTEN = ("v2", *TELEMETRY)  # what of the row is a controller's
 
 
-def custom_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[str, Any]) -> list[Block | PythonBlock]:
+def custom_blocks(
+    kind: str, design: ControlDesign, h: float, options: Mapping[str, Any], timeout_s: float = TIMEOUT_S
+) -> list[Block | PythonBlock]:
     """Return the controller of a module as blocks, after a trial.
 
     Parameters
@@ -35,6 +52,8 @@ def custom_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[s
         What `module.load` takes; a path is absolute.
     design, h, options
         Given to the module, copied each time: the design, the sample time, s, and the user's options.
+    timeout_s
+        How long a step in plain Python may take, s, at the trial and in flight.
 
     Raises
     ------
@@ -42,23 +61,23 @@ def custom_blocks(kind: str, design: ControlDesign, h: float, options: Mapping[s
         If the module cannot be loaded, lacks a function, or fails its trial.
     """
     module, file = load(kind)
-    create, stage = getattr(module, "create", None), getattr(module, "stage", None)
-    if create is not None and isinstance(stage, Stage):
+    create, stage = attribute(module, "create", file), attribute(module, "stage", file)
+    if create is not None and _is_stage(stage):
         found, remedy = "both create and stage", "keep the one that is meant to fly"
         raise InputError(file, found=found, expected="one of them: plain Python or compiled", remedy=remedy)
 
     def given() -> tuple[ControlDesign, float, dict[str, Any]]:
         return copy.deepcopy(design), h, copy.deepcopy(dict(options))
 
-    if create is None and (stage is not None or hasattr(module, "PARAMS")):
-        return [unknown.block(name="unknown"), _compiled(module, file, given)]
+    if create is None and (stage is not None or attribute(module, "PARAMS", file) is not None):
+        return [unknown.block(name="unknown"), _compiled(module, file, given), untouched.block(name="untouched")]
     if create is None:
         found = "neither create nor PARAMS, STATE, stage and params"
         expected = f"the function {CREATE}, which returns {STEP}"
         raise InputError(
             file, found=found, expected=expected, remedy="see docs/custom-controller.md, or pid, for a template"
         )
-    return [unknown.block(name="unknown"), _python(create, file, given)]
+    return [unknown.block(name="unknown"), _python(create, file, given, Guard(timeout_s))]
 
 
 def positive_options(options: Mapping[str, Any], **defaults: float) -> dict[str, float]:
@@ -90,35 +109,46 @@ def _write_nan(p, s, row):
         row.f_hat[i] = np.nan
 
 
+@law
+def _end_if_status(p, s, row):
+    """End the flight where a law from outside has set the status of the row: it says how a vehicle is lost."""
+    if row.status != 0.0:
+        row.status = STATUS_SET
+
+
 unknown = Stage(_write_nan, reads=[], writes=["d1_hat", "v1", "f_hat"])
+untouched = Stage(_end_if_status, reads=[], writes=["status"])
+
+
+def _is_stage(value: object) -> bool:
+    return issubclass(type(value), Stage)
 
 
 # --- plain Python ----------------------------------------------------------------------------------------------------
 
 
-def _python(create: Any, file: str, given: Callable[[], tuple[ControlDesign, float, Any]]) -> PythonBlock:
+def _python(create: Any, file: str, given: Callable[[], tuple[ControlDesign, float, Any]], guard: Guard) -> PythonBlock:
     require(create, file, CREATE)
     require(call(create, given(), file, CREATE), file, STEP, f"what {CREATE} returned")
-    step = call(create, given(), file, CREATE)
+    step = _read(call(create, given(), file, CREATE))
     design, h, _ = given()
     for k in range(2):
         x1_c, x1, x2 = design.x1_trim + _TRIAL_RAD, design.x1_trim.copy(), np.zeros(3)
-        result = call(step, (k * h, x1_c, x1, x2), file, STEP)
-        v2, telemetry = _parts(result)
-        three_numbers(v2, file, STEP, "v2: three numbers, rad: aileron, elevator, rudder about trim")
-        for name in TELEMETRY:
-            if name in telemetry:
-                three_numbers(telemetry[name], file, STEP, f"three numbers as {name}", finite=False)
-    return PythonBlock(
-        "custom", _in_flight(call(create, given(), file, CREATE), file)
-    )  # a fresh one: the trial left no trace
+        v2, _ = call(step, (k * h, x1_c, x1, x2), file, STEP, guard)
+        if not np.isfinite(v2).all():
+            raise InputError(
+                f"{file}, {STEP}",
+                found=shown(v2),
+                expected=COMMAND,
+                remedy="return v2, or (v2, {'v1': ...})",
+            )
+    fresh = call(create, given(), file, CREATE)  # the trial leaves no trace
+    return PythonBlock("custom", _in_flight(_read(fresh), file, guard), guard.armed)
 
 
-def _parts(result: Any) -> tuple[Any, dict[str, Any]]:
-    """Return v2 and the telemetry of what a step returned."""
-    if type(result) is tuple and len(result) == 2 and isinstance(result[1], dict):
-        return result
-    return result, {}
+def _read(step: Callable[..., Any]) -> Callable[..., tuple[np.ndarray, dict[str, np.ndarray]]]:
+    """Return the step with its result read: what a result does when it is looked at, it does inside the step."""
+    return lambda *arguments: outputs(step(*arguments))
 
 
 def _columns(field: str) -> slice:
@@ -126,28 +156,28 @@ def _columns(field: str) -> slice:
     return slice(start, start + 3)
 
 
-def _in_flight(step: Callable[..., Any], file: str) -> Callable[[np.ndarray], None]:
-    x1_c, x1, x2 = _columns("x1_c"), _columns("x1_meas"), _columns("x2_meas")
-    aileron = _columns("v2").start
-    elevator, rudder = aileron + 1, aileron + 2
+def _in_flight(
+    step: Callable[..., tuple[np.ndarray, dict[str, np.ndarray]]], file: str, guard: Guard
+) -> Callable[[np.ndarray], None]:
+    x1_c, x1, x2, command = _columns("x1_c"), _columns("x1_meas"), _columns("x2_meas"), _columns("v2")
     columns = {name: _columns(name) for name in TELEMETRY}
 
     def at_sample(row: np.ndarray) -> None:
         seen = row.copy()  # the controller may keep or change what it is given; the row is the history
         try:
-            result = step(seen.item(0), seen[x1_c], seen[x1], seen[x2])
-        except (Exception, SystemExit) as error:
-            raise StepFailed(f"the controller failed: {described(error, file)}") from None
-        try:
-            if type(result) is tuple and len(result) == 2:
-                result, telemetry = result
-                for name in telemetry:
-                    if name in columns:
-                        row[columns[name]] = telemetry[name]
-            row[aileron], row[elevator], row[rudder] = result
-        except (TypeError, ValueError):
-            found = f"{STEP} returned {shown(result)}, expected three numbers"
-            raise StepFailed(f"the controller failed: {file}: {found}") from None
+            row[command], telemetry = guard.timed(step, seen.item(0), seen[x1_c], seen[x1], seen[x2])
+            for name, value in telemetry.items():
+                row[columns[name]] = value
+            return
+        except Overdue as error:
+            why = overdue(error, file, guard)
+        except WrongResultError as wrong:
+            why = f"{file}: {STEP} returned {wrong.found}, expected {wrong.expected}"
+        except BaseException as error:
+            if guard.is_users(error):
+                raise
+            why = described(error, file)
+        raise StepFailed(readable(f"the controller failed: {why}"))
 
     return at_sample
 
@@ -156,46 +186,101 @@ def _in_flight(step: Callable[..., Any], file: str) -> Callable[[np.ndarray], No
 
 
 def _compiled(module: Any, file: str, given: Callable[[], tuple[ControlDesign, float, Any]]) -> Block:
-    stage = getattr(module, "stage", None)
+    stage, dtypes = attribute(module, "stage", file), []
     for name in ("PARAMS", "STATE"):
-        if not isinstance(getattr(module, name, None), np.dtype):
-            found = f"no dtype {name}" if not hasattr(module, name) else f"{name}: {shown(getattr(module, name))}"
+        dtype = attribute(module, name, file)
+        if not issubclass(type(dtype), np.dtype):
+            found = f"no dtype {name}" if dtype is None else f"{name}: {shown(dtype)}"
             raise InputError(file, found=found, expected=f"{name}, a numpy.dtype", remedy=f"define {name}")
-    if not isinstance(stage, Stage) or (stage.params, stage.state) != (module.PARAMS, module.STATE):
+        dtypes.append(dtype)
+    if not _is_stage(stage) or [stage.params, stage.state] != dtypes:
         raise InputError(
             file,
             found="no stage" if stage is None else f"stage: {shown(stage)}",
             expected="stage, a uavftc.core.stage.Stage of PARAMS and STATE",
             remedy="define stage = Stage(step, PARAMS, STATE)",
         )
-    require(getattr(module, "params", None), file, PARAMETERS)
+    params, state = attribute(module, "params", file), attribute(module, "state", file)
+    require(params, file, PARAMETERS)
+    guard = Guard()
     try:
-        assert not COMPILED or stage.address
-    except Exception as error:
+        with guard.armed():
+            assert not COMPILED or stage.address
+    except BaseException as error:
+        if guard.is_users(error):
+            raise
         raise _not_compiled(error, file) from None
 
     def fresh() -> Block:
-        params = _record(call(module.params, given(), file, PARAMETERS), module.PARAMS, file, PARAMETERS)
-        if not hasattr(module, "state"):
-            return stage.block(params, name="custom")
-        name = PARAMETERS.replace("params", "state")
-        require(module.state, file, name)
-        return stage.block(
-            params, _record(call(module.state, given(), file, name), module.STATE, file, name), name="custom"
-        )
+        memory = [_record(call(params, given(), file, PARAMETERS), stage.params, file, PARAMETERS)]
+        if state is not None:
+            name = PARAMETERS.replace("params", "state")
+            require(state, file, name)
+            memory.append(_record(call(state, given(), file, name), stage.state, file, name))
+        block: Block = call(lambda: stage.block(*memory, name="custom"), (), file, "PARAMS, STATE")
+        return block
 
+    _try_compiled(fresh, file, given)
+    return fresh()
+
+
+def _try_compiled(fresh: Callable[[], Block], file: str, given: Callable[[], tuple[ControlDesign, float, Any]]) -> None:
+    """Run a compiled law for two samples.
+
+    Raises
+    ------
+    InputError
+        If it raises, commands what is not finite, or writes other fields of the row.
+    """
     rows = empty_rows(2)
     trial, (design, h, _) = as_records(rows), given()
     trial["t"] = 0.0, h
     trial["x1_c"], trial["x1"], trial["x1_meas"] = design.x1_trim + _TRIAL_RAD, design.x1_trim, design.x1_trim
-    Program([fresh()]).run(rows, 0, 2)
+    before = trial.copy()
+    blocks = [fresh(), untouched.block(name="untouched")]
+    ended = call(lambda: Program(blocks).run(rows, 0, 2), (), file, "stage")
+    if ended < 2 and trial["status"][ended] <= RAISED:
+        trial[:] = before
+        raise _raised(fresh(), rows, file)
+    for name in ROW.names or ():
+        if name not in _WRITTEN and trial[name].tobytes() != before[name].tobytes():
+            raise InputError(
+                f"{file}, stage",
+                found=f"a law that writes row.{name}",
+                expected=f"a law that writes {', '.join(_WRITTEN)} of the row, and nothing else of it",
+                remedy=f"read row.{name} only; what the law remembers belongs into its STATE",
+            )
     for v2 in trial["v2"]:
-        three_numbers(v2, file, "stage", "a finite command row.v2, rad")
-    return fresh()
+        if not np.isfinite(v2).all():
+            raise InputError(
+                f"{file}, stage",
+                found=shown(v2),
+                expected="a finite command row.v2, rad",
+                remedy="give a number on every axis",
+            )
+
+
+def _raised(block: Block, rows: np.ndarray, file: str) -> InputError:
+    """Return what a compiled law raises: that has no text, so the law is run again as it is written."""
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            for row in rows:
+                run_in_python(block, row)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        return failed(f"{file}, stage", error, file, "a law that raises no exception")
+    return InputError(
+        f"{file}, stage",
+        found="an exception in the compiled law",
+        expected="a law that raises no exception",
+        remedy="run it with NUMBA_DISABLE_JIT=1 to see where",
+    )
 
 
 def _record(value: Any, dtype: np.dtype, file: str, function: str) -> np.ndarray:
-    if isinstance(value, np.ndarray) and value.dtype == dtype and (value.shape == (1,) or dtype == RAW):
+    if type(value) in (np.ndarray, np.recarray) and value.dtype == dtype and (value.shape == (1,) or dtype == RAW):
         return np.ascontiguousarray(value)
     raise InputError(
         f"{file}, {function}",
@@ -205,7 +290,7 @@ def _record(value: Any, dtype: np.dtype, file: str, function: str) -> np.ndarray
     )
 
 
-def _not_compiled(error: Exception, file: str) -> InputError:
+def _not_compiled(error: BaseException, file: str) -> InputError:
     if not isinstance(error, numba.core.errors.NumbaError):
         return failed(f"{file}, stage", error, file, "a law that numba can compile")
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]

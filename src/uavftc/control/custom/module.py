@@ -7,7 +7,6 @@ import importlib
 import importlib.util
 import re
 import sys
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import EntryPoint, entry_points
@@ -16,6 +15,8 @@ from types import ModuleType
 from typing import Any
 
 from uavftc.control import whole
+from uavftc.control.custom.guard import Guard
+from uavftc.control.custom.text import described, place
 from uavftc.errors import InputError
 
 GROUP = "uavftc.controllers"
@@ -64,34 +65,59 @@ def load(kind: str) -> tuple[Any, str]:
         If there is no such module, or loading it fails.
     """
     where = f"controller.kind, '{kind}'"
-    file = kind
+    guard = Guard()
     try:
-        if is_path(kind):
-            module: Any = _from_file(Path(kind))
-        else:
-            entry = registered().get(kind)
-            with _folders_searched(Path.cwd()):
-                module = importlib.import_module(kind) if entry is None else entry.load()
-        file = str(getattr(module, "__file__", None) or kind)
-    except ModuleNotFoundError as error:
-        if is_path(kind) or error.name is None or not f"{kind}.".startswith(f"{error.name}."):
-            raise failed(where, error, file, "a module that can be imported") from None
-        raise InputError(
-            where,
-            found=f"no module {error.name} in the environment or in {Path.cwd()}",
-            expected="the import path of a module, the path of a .py file, or the name of an entry point",
-            remedy=f"check the spelling, or go to the folder that holds it; give one as {HOW}",
-        ) from None
-    except OSError as error:
-        raise InputError(
-            where,
-            found=f"a file that cannot be read: {error.strerror or error}",
-            expected="a readable .py file",
-            remedy="check the path and its permissions",
-        ) from None
-    except (Exception, SystemExit) as error:
-        raise failed(where, error, file, "a module that can be imported") from None
-    return module, file
+        with guard.armed():
+            if is_path(kind):
+                module: Any = _from_file(Path(kind))
+            else:
+                entry = registered().get(kind)
+                with _folders_searched(Path.cwd()):
+                    module = importlib.import_module(kind) if entry is None else entry.load()
+            file = getattr(module, "__file__", None)
+            return module, str.__str__(file) if isinstance(file, str) and file else kind
+    except BaseException as error:
+        if guard.is_users(error):
+            raise
+        if isinstance(error, ModuleNotFoundError) and not is_path(kind) and _is_of(kind, error.name):
+            raise InputError(
+                where,
+                found=f"no module {error.name} in the environment or in {Path.cwd()}",
+                expected="the import path of a module, the path of a .py file, or the name of an entry point",
+                remedy=f"check the spelling, or go to the folder that holds it; give one as {HOW}",
+            ) from None
+        if isinstance(error, OSError) and place(error, kind)[0] is None:
+            reason = error.strerror if type(error.strerror) is str else described(error, kind)
+            raise InputError(
+                where,
+                found=f"a file that cannot be read: {reason}",
+                expected="a readable .py file",
+                remedy="check the path and its permissions",
+            ) from None
+        raise failed(where, error, kind, "a module that can be imported") from None
+
+
+def _is_of(kind: str, module: object) -> bool:
+    """Return whether a module that was not found is the controller's, or a package above it."""
+    return type(module) is str and f"{kind}.".startswith(f"{module}.")
+
+
+def attribute(module: Any, name: str, file: str) -> Any:
+    """Return what a module holds under a name, None where it holds nothing.
+
+    Raises
+    ------
+    InputError
+        If the module's `__getattr__` raises anything but AttributeError.
+    """
+    guard = Guard()
+    try:
+        with guard.armed():
+            return getattr(module, name, None)
+    except BaseException as error:
+        if guard.is_users(error):
+            raise
+        raise failed(f"{file}, {name}", error, file, "a module whose names can be looked up") from None
 
 
 def checksum(kind: str) -> str | None:
@@ -116,7 +142,7 @@ def _from_file(path: Path) -> ModuleType:
         with _folders_searched(Path.cwd(), path.parent):
             exec(code, vars(module))
     except BaseException:
-        del sys.modules[name]
+        sys.modules.pop(name, None)
         raise
     return module
 
@@ -143,20 +169,3 @@ def failed(where: str, error: BaseException, file: str, expected: str) -> InputE
     line, _ = place(error, file)
     remedy = "correct the code" if line is None else f"correct line {line}"
     return InputError(where, found=described(error, file), expected=expected, remedy=remedy)
-
-
-def described(error: BaseException, file: str) -> str:
-    """Return what was raised, its line in the user's file, and the text of that line."""
-    line, text = place(error, file)
-    what = " ".join(traceback.format_exception_only(error)[-1].split())[:300]
-    if line is None:
-        return what
-    return f"{what}; {file}, line {line}{f': {text}' if text else ''}"
-
-
-def place(error: BaseException, file: str) -> tuple[int | None, str]:
-    """Return the last line of `file` that the error passed through and its text; None where there is no such line."""
-    if isinstance(error, SyntaxError) and error.filename == file:
-        return error.lineno, (error.text or "").strip()
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
-    return (frames[-1].lineno, frames[-1].line or "") if frames else (None, "")

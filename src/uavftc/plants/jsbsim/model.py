@@ -197,16 +197,22 @@ def cache_dir() -> Path:
 
 def _in_child(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) -> str:
     command = [sys.executable, "-m", __name__, aircraft.reference, repr(altitude), *map(repr, speeds)]
-    try:
-        child = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
-    except subprocess.TimeoutExpired:
-        raise _crash(aircraft, f"JSBSim does not finish loading and trimming it within {TIMEOUT_S:g} s", "") from None
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+        try:
+            stdout, stderr = child.communicate(timeout=TIMEOUT_S)
+        except BaseException as error:  # Ctrl-C too leaves no child behind
+            child.kill()
+            child.wait()
+            if isinstance(error, subprocess.TimeoutExpired):
+                found = f"JSBSim does not finish loading and trimming it within {TIMEOUT_S:g} s"
+                raise _crash(aircraft, found, "") from None
+            raise
     if child.returncode < 0:
         name = signal.Signals(-child.returncode).name
-        raise _crash(aircraft, f"JSBSim crashes while loading or trimming it ({name})", child.stderr)
-    if child.returncode != 0 or not child.stdout.strip():
-        raise _crash(aircraft, "the process that loads it ended abnormally", child.stderr)
-    return child.stdout.strip().splitlines()[-1]
+        raise _crash(aircraft, f"JSBSim crashes while loading or trimming it ({name})", stderr)
+    if child.returncode != 0 or not stdout.strip():
+        raise _crash(aircraft, "the process that loads it ended abnormally", stderr)
+    return stdout.strip().splitlines()[-1]
 
 
 def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
