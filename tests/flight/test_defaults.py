@@ -19,7 +19,8 @@ def model(airspeed=62.0, altitude=1500.0):
     return TrimmedModel(
         trim={"airspeed": airspeed, "altitude": altitude},
         mass_kg=1.0, inertia_kgm2=np.eye(3).tolist(), engines=1, rad_per_command=[1.0] * 3, measured_rad=[True] * 3,
-        limits_rad=[[-0.3, 0.3]] * 3, A=np.zeros((8, 8)).tolist(), B=B.tolist(), throttle_mps2=1.0,
+        limits_rad=[[-0.3, 0.3]] * 3, A=np.zeros((8, 8)).tolist(), A_at_once=np.zeros((3, 3)).tolist(),
+            B=B.tolist(), throttle_mps2=1.0,
         nonlinearity=[0.0] * 3,
     )  # fmt: skip
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from flying import bare, jsbsim_plant
+from uavftc.aircraft.definition import load_aircraft
 from uavftc.core.signals import as_records, empty_rows
 from uavftc.errors import InputError
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
 from uavftc.plants.jsbsim.load import load, mass_properties
 from uavftc.plants.jsbsim.model import trimmed_model
+from uavftc.scenario.load import load_scenario
 
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])  # paper, section 4
 
@@ -208,3 +214,18 @@ def test_no_trim_where_the_wing_does_not_carry(hale):
     assert lift + most_thrust * np.sin(alpha) < MASS * gravity(1000.0)
     with pytest.raises(InputError, match="trim at 3 m/s"):
         plant_at(hale, 3.0)
+
+
+def test_a_throttle_without_a_position_is_flown_and_its_command_recorded(tmp_path):
+    # no need for a position where the aircraft has none: what the trim sets is what the history shows
+    folder = shutil.copytree(load_aircraft("hale").folder, tmp_path / "kite")
+    (folder / "hale.xml").rename(folder / "kite.xml")
+    text = (folder / "uavftc.yaml").read_text(encoding="utf-8")
+    kept = [line for line in text.splitlines() if not line.strip().startswith("position: [")]
+    assert len(kept) == len(text.splitlines()) - 1
+    (folder / "uavftc.yaml").write_text("\n".join(kept), encoding="utf-8")
+    assert load_aircraft(str(folder)).throttle.position is None
+    scenario = load_scenario("scenario1", aircraft=str(folder), overrides=["duration_s=1"])
+    records, outcome = fly_to_memory(build_flight(scenario))
+    assert outcome.completed
+    np.testing.assert_allclose(records["throttle"], 0.29099, atol=1e-5)

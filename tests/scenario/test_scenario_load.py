@@ -163,7 +163,7 @@ def test_unsaturated_differs_from_scenario_1_in_the_limits_alone():
 
 def test_the_gust_ends_within_the_flight():
     (gust,) = load_scenario("gust").disturbances
-    assert (gust.start_s, gust.end_s, gust.down_mps, gust.east_mps) == (10, 13, -3, 2)
+    assert (gust.start_s, gust.end_s, gust.down_mps, gust.east_mps) == (10, 12.4, -15, 3)
 
 
 def test_aircraft_paths_start_at_the_file_and_options_at_the_working_folder(write, tmp_path, monkeypatch):

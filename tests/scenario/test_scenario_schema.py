@@ -145,7 +145,7 @@ REFUSED = [
     ("faults: [5]", 3, "faults[0]", ["section"]),
     ("faults:\n  - {effectiveness: 0.5}", 4, "faults[0].surface", ["nothing"]),
     ("faults:\n  - {surface: ailron}", 4, "faults[0].surface", ["aileron, elevator, rudder", "did you mean aileron?"]),
-    ("faults: [{surface: rudder, kind: stuck}]", 3, "faults[0].kind", ["'stuck'", "write effectiveness"]),
+    ("faults: [{surface: rudder, kind: stuck}]", 3, "faults[0].kind", ["'stuck'", "effectiveness: 0, bias_deg: 2"]),
     ("faults: [{surface: rudder, start_s: -1}]", 3, "faults[0].start_s", ["at least 0, s"]),
     ("faults: [{surface: rudder, start_s: 5, end_s: 5}]", 3, "faults[0].end_s", ["after start_s, 5 s"]),
     ("faults: [{surface: rudder, effectiveness: -1}]", 3, "faults[0].effectiveness", [">= 0"]),

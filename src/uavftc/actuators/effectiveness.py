@@ -7,7 +7,7 @@ effectiveness; (3) omega = 1, v_2a != 0, additive fault; (4) both.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -27,6 +27,12 @@ Effectiveness = Annotated[Signal, AtLeast(0.0, "an effectiveness >= 0", "0 is a 
 
 class Config(Window):
     """A surface at `effectiveness` times its limited command, plus `bias_deg`, on [start_s, end_s)."""
+
+    remedies: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("kind", "at_deg"),
+        "leave it out. A surface stuck at 2 deg about trim is effectiveness: 0, bias_deg: 2; one without any effect is "
+        "effectiveness: 0",
+    )
 
     kind: Annotated[Literal["effectiveness"], Field(exclude=True)] = "effectiveness"
     """`effectiveness`, where it is left out"""

@@ -87,10 +87,10 @@ class Surfaces(Model):
 
 
 class Throttle(Model):
-    """Commands that the trim sets, 0..1, and the positions that result."""
+    """Commands that the trim sets, 0..1, and the positions that result; without these, the command is recorded."""
 
     command: Annotated[tuple[Property, ...], Field(min_length=1)]
-    position: Annotated[tuple[Property, ...], Field(min_length=1)]
+    position: Annotated[tuple[Property, ...], Field(min_length=1)] | None = None
 
 
 class Autothrottle(Model):
@@ -204,7 +204,7 @@ class Aircraft(Model):
                 named.append((f"surfaces.{name}.position", surface.position))
         if self.throttle is not None:
             named += [("throttle.command", name) for name in self.throttle.command]
-            named += [("throttle.position", name) for name in self.throttle.position]
+            named += [("throttle.position", name) for name in self.throttle.position or ()]
         if self.autothrottle is not None:
             named += [
                 ("autothrottle.switch", self.autothrottle.switch),

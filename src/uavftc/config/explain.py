@@ -171,7 +171,8 @@ def _choice(item: Any, key: Key, value: Any, model: type[BaseModel]) -> Problem:
     near = difflib.get_close_matches(str(value), known, n=1)
     found = "nothing" if item["type"] == "union_tag_not_found" else describe(value)
     if len(known) == 1:
-        return Problem(key, found, known[0], f"write {known[0]}, the only one there is")
+        remedy = getattr(model, "remedies", {}).get(str(key[-1]), f"write {known[0]}, the only one there is")
+        return Problem(key, found, known[0], remedy)
     remedy = f"did you mean {near[0]}?" if near else "choose one of them"
     return Problem(key, found, f"one of {', '.join(known)}", remedy)
 

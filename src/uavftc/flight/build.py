@@ -164,13 +164,13 @@ def rotational_model(aircraft: Aircraft, model: TrimmedModel | None) -> tuple[np
         return inertia, np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)
     inertia = np.array(model.inertia_kgm2)
     inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0  # eq. (2) has no product of inertia other than J_xz
-    return inertia, model.A_rates, model.B_rates
+    return inertia, np.array(model.A_at_once), model.B_rates
 
 
 def control_design(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant) -> ControlDesign:
     """Return what a controller may be designed from: the pair measured at the trim, or the aircraft's."""
     if model is not None:
-        A, B = model.A_rates, model.B_rates
+        A, B = np.array(model.A_at_once), model.B_rates
     else:
         assert aircraft.analytic is not None  # or there would be a trimmed model
         A, B = np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)

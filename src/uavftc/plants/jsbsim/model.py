@@ -52,7 +52,9 @@ class TrimmedModel(NamedTuple):
     limits_rad: list[list[float]]
     """(3, 2) least and greatest u about trim, from the range of the command."""
     A: list[list[float]]
-    """(8, 8) over `analysis.modes.STATES`."""
+    """(8, 8) over `analysis.modes.STATES`, engines settled."""
+    A_at_once: list[list[float]]
+    """(3, 3) over p, q, r, 1/s, engines at the speed of the trim: what laws and rotational plants are made from."""
     B: list[list[float]]
     """(6, 3) change of u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2, per rad of u."""
     throttle_mps2: float
@@ -62,7 +64,7 @@ class TrimmedModel(NamedTuple):
 
     @property
     def A_rates(self) -> np.ndarray:
-        """Rotational block of A over p, q, r, shape (3, 3), 1/s."""
+        """Rotational block of A over p, q, r, shape (3, 3), 1/s, engines settled."""
         index = [5, 2, 6]
         return np.array(self.A)[np.ix_(index, index)]
 
@@ -124,6 +126,7 @@ def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedMode
         measured_rad=measured,
         limits_rad=[list(map(float, pair)) for pair in limits],
         A=linear.A.tolist(),
+        A_at_once=linear.A_at_once.tolist(),
         B=(linear.B_command / scale).tolist(),
         throttle_mps2=linear.throttle_mps2,
         nonlinearity=linear.nonlinearity.tolist(),

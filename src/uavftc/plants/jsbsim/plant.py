@@ -140,7 +140,9 @@ class JSBSimPlant:
         """Look every property up once; a bound accessor costs a tenth of a look-up."""
         node = functools.partial(_node, self.fdm)
         throttles = aircraft.throttle_commands(engines)
-        position = aircraft.throttle.position[0] if aircraft.throttle else "fcs/throttle-pos-norm[0]"
+        position = "fcs/throttle-pos-norm[0]"
+        if aircraft.throttle is not None:
+            position = (aircraft.throttle.position or aircraft.throttle.command)[0]
         throttle = node(position).get_double_value if throttles else lambda: math.nan
         self._get = [node(name).get_double_value for name in STATE_PROPERTIES]
         self._get += [throttle, node(CONTACT).get_double_value]
