@@ -10,7 +10,7 @@ from uavftc.core.stage import Block, PythonBlock
 PRESCRIBED = frozenset(["t", "x1_c", "effectiveness", "bias", "d1", "d2", "wind_n"])
 """Fields that the scenario gives, filled in before a row is flown."""
 
-DEFAULT = frozenset(["d1_hat"])
+DEFAULT = frozenset(["d1_hat", "status"])
 """Fields that are zero where no law writes them; zero means that nothing happens."""
 
 CUSTOM = frozenset(["v2"])

@@ -117,7 +117,7 @@ def _end_if_status(p, s, row):
 
 
 unknown = Stage(_write_nan, reads=[], writes=["d1_hat", "v1", "f_hat"])
-untouched = Stage(_end_if_status, reads=[], writes=["status"])
+untouched = Stage(_end_if_status, reads=["status"], writes=["status"])
 
 
 def _is_stage(value: object) -> bool:
