@@ -34,8 +34,7 @@ def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
     if airspeed is None:
         return choose_airspeed(scenario, aircraft, trimmed_models(aircraft, altitude))
     model = trimmed_model(aircraft, airspeed, altitude)
-    if aircraft.analytic is None:
-        refuse_unflyable(scenario, aircraft, model)
+    refuse_unflyable(scenario, aircraft, model)
     return model
 
 
@@ -88,28 +87,36 @@ def best_model(scenario: Scenario, models: Sequence[TrimmedModel]) -> TrimmedMod
     """Return the model at the lowest airspeed with ample authority, or else with the most, flyable or not."""
     ratios = []
     for model in models:
-        found = obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
-        ratios.append(-1.0 if found else float(np.min(authority_of(scenario, model).ratio)))
+        ratios.append(-1.0 if obstacles_of(model) else float(np.min(authority_of(scenario, model).ratio)))
     ample = [i for i, ratio in enumerate(ratios) if ratio >= AMPLE]
     return models[ample[0] if ample else int(np.argmax(ratios))]
+
+
+def obstacles_of(model: TrimmedModel) -> list[str]:
+    """Return why no controller can fly an aircraft at a trim, whatever it is asked to do; empty if one can."""
+    return obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
 
 
 def reasons_against(scenario: Scenario, model: TrimmedModel) -> list[str]:
     """Return why the controller cannot fly an aircraft at a trim; empty if it can."""
     limits, nonlinearity = np.array(model.limits_rad), np.array(model.nonlinearity)
-    found = obstacles(model.B_rates, limits, nonlinearity, None)
+    found = obstacles_of(model)
     return found or obstacles(model.B_rates, limits, nonlinearity, authority_of(scenario, model).ratio)
 
 
 def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel) -> None:
     """Refuse an aircraft that the controller cannot fly at a trim.
 
+    A surface that does not respond is refused on any aircraft. Too little authority for the reference is not, where
+    the companion file brings a rotational model of its own: its author answers for what is asked of it.
+
     Raises
     ------
     InputError
         If a surface does not respond, B is ill-conditioned, or an axis has too little authority for the reference.
     """
-    if found := reasons_against(scenario, model):
+    found = obstacles_of(model) if aircraft.analytic is not None else reasons_against(scenario, model)
+    if found:
         airspeed = model.trim["airspeed"]
         raise InputError(
             f"aircraft {aircraft.name}, at {airspeed:g} m/s and {model.trim['altitude']:g} m",
