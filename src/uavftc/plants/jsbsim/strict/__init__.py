@@ -16,7 +16,7 @@ from uavftc.plants.jsbsim.strict.check import Finding, findings
 
 __all__ = ["Finding", "findings", "refuse", "warnings"]
 
-_TOLD = 4  # warnings and errors of one aircraft that are listed; the first ones name the cause
+_SHOWN = 4  # warnings and errors of one aircraft that are listed; the first ones name the cause
 
 
 @functools.lru_cache(maxsize=64)
@@ -33,7 +33,7 @@ def refuse(aircraft: Aircraft) -> None:
         With file, line, what was found and what was expected.
     """
     if aircraft.strict and (found := _kept(aircraft, aircraft.sha256())):
-        raise join([finding.error() for finding in found[:_TOLD]])
+        raise join([finding.error() for finding in found[:_SHOWN]])
 
 
 def warnings(aircraft: Aircraft) -> list[str]:
@@ -44,7 +44,7 @@ def warnings(aircraft: Aircraft) -> list[str]:
         found = _kept(aircraft, aircraft.sha256())
     except InputError as error:
         return [f"{error.where}: {error.found}"]
-    lines = [finding.warning() for finding in found[:_TOLD]]
-    if len(found) > _TOLD:
-        lines.append(f"{aircraft.xml.name}: {len(found) - _TOLD} more of this kind")
+    lines = [finding.warning() for finding in found[:_SHOWN]]
+    if len(found) > _SHOWN:
+        lines.append(f"{aircraft.xml.name}: {len(found) - _SHOWN} more of this kind")
     return lines

@@ -54,8 +54,10 @@ class _Walk:
         self.aircraft = aircraft
         self.found: list[Finding] = []
         self.opened: set[tuple[Path, str]] = set()
+        self.written: dict[str, tuple[Node, int]] = {}
+        self.read: set[str] = set()
 
-    def tell(self, node: Node, line: int, found: str, expected: str, remedy: str) -> None:
+    def add(self, node: Node, line: int, found: str, expected: str, remedy: str) -> None:
         self.found.append(Finding(node.path, line, found, expected, remedy))
 
     def element(self, node: Node, name: str) -> None:
@@ -65,9 +67,13 @@ class _Walk:
             return
         self.attributes(node, kind)
         self.text(node, kind)
+        if kind.form != "rows":
+            self.properties(node, name)
         self.children(node, kind, self.included(node, name, kind))
         if name in _TABLES:
             self.table(node)
+        if name == "propeller":
+            self.coefficients(node)
 
     def attributes(self, node: Node, kind: Kind) -> None:
         for key, value in node.attributes.items():
@@ -87,14 +93,15 @@ class _Walk:
                 near = difflib.get_close_matches(text, values.UNITS, 1) if allowed.form == "unit" else []
             for problem in problems:
                 remedy = f'write {key}="{near[0]}"' if near else f"correct or remove the attribute {key}"
-                self.tell(node, problem.line, f'{key}="{value}" in <{node.tag}>', problem.expected, remedy)
+                self.add(node, problem.line, f'{key}="{value}" in <{node.tag}>', problem.expected, remedy)
         for key, attribute in kind.attributes.items():
             if attribute.required and key not in node.attributes:
-                self.tell(
+                self.add(
                     node,
                     node.line,
                     f"<{node.tag}> without {key}",
-                    f'{key}="..." of <{node.tag}>' + (f": {', '.join(dict.fromkeys(attribute.words))}" * bool(attribute.words)),
+                    f'{key}="..." of <{node.tag}>'
+                    + (f": {', '.join(dict.fromkeys(attribute.words))}" * bool(attribute.words)),
                     f'add {key}="..."',
                 )
 
@@ -104,7 +111,7 @@ class _Walk:
             return
         if kind.form is None:
             if lines:
-                self.tell(
+                self.add(
                     node,
                     lines[0][0],
                     f"'{_short(lines[0][1])}' in <{node.tag}>",
@@ -114,14 +121,18 @@ class _Walk:
             return
         if kind.form == "conditions" and not lines and not node.children:
             lines = [(node.line, "")]
-        problems = values.words(node.line, lines, kind.words) if kind.words else values.FORMS[kind.form](node.line, lines)
+        problems = (
+            values.words(node.line, lines, kind.words) if kind.words else values.FORMS[kind.form](node.line, lines)
+        )
         for problem in problems:
-            self.tell(
+            self.add(
                 node,
                 problem.line,
                 f"{problem.found} in <{node.tag}>",
                 problem.expected,
-                f"write a value into <{node.tag}>" if problem.found == "nothing" else f"correct the text of <{node.tag}>",
+                f"write a value into <{node.tag}>"
+                if problem.found == "nothing"
+                else f"correct the text of <{node.tag}>",
             )
 
     def children(self, node: Node, kind: Kind, included: Node | None) -> None:
@@ -133,11 +144,13 @@ class _Walk:
             of = known.get(child.tag)
             if of is None:
                 strangers.append(child.tag)
-                self.unknown(node, child.line, f"<{child.tag}> as a child of <{node.tag}>", child.tag, kind.children, "<{}>")
+                self.unknown(
+                    node, child.line, f"<{child.tag}> as a child of <{node.tag}>", child.tag, kind.children, "<{}>"
+                )
                 continue
             seen[child.tag] = seen.get(child.tag, 0) + 1
             if seen[child.tag] == 2 and child.tag in kind.children and not kind.children[child.tag].many:
-                self.tell(
+                self.add(
                     node,
                     child.line,
                     f"a second <{child.tag}> in <{node.tag}>",
@@ -154,28 +167,38 @@ class _Walk:
         there = set(seen) | {child.tag for child in included.children} if included else set(seen)
         if kind.file and "file" in node.attributes and included is None:
             return  # JSBSim says which file it does not find
-        wanted = [(tag,) for tag, child in kind.children.items() if child.required] + list(kind.one_of)
-        for tags in wanted:
-            if there.isdisjoint(tags) and not difflib.get_close_matches(tags[0], strangers, 1):
+        needed = [(tag,) for tag, child in kind.children.items() if child.required] + list(kind.one_of)
+        for tags in needed:
+            if there.isdisjoint(tags) and not _near(tags[0], strangers):
                 names = " or ".join(f"<{tag}>" for tag in tags)
-                self.tell(node, node.line, f"<{node.tag}> without {names}", f"{names} in <{node.tag}>", f"add {names}")
+                self.add(node, node.line, f"<{node.tag}> without {names}", f"{names} in <{node.tag}>", f"add {names}")
         least, most = kind.arguments
         count = sum(1 for child in node.children if child.tag not in PROSE)
         if count < least or (most is not None and count > most):
             expected = f"{least}" if least == most else f"{least} or more" if most is None else f"{least} to {most}"
-            self.tell(
+            self.add(
                 node,
                 node.line,
                 f"{count} terms in <{node.tag}>",
                 f"{expected} in <{node.tag}>",
-                "add what is missing" if count < least else "join the terms in a <sum> or <product>: JSBSim reads the first",
+                "add what is missing"
+                if count < least
+                else "join the terms in a <sum> or <product>: JSBSim reads the first",
             )
+
+    def coefficients(self, node: Node) -> None:
+        """Check that a propeller has both its tables, without which JSBSim ends the process."""
+        there = {child.attributes.get("name") for child in node.children if child.tag == "table"}
+        for name in ("C_THRUST", "C_POWER"):
+            if name not in there:
+                table = f'<table name="{name}">'
+                self.add(node, node.line, f"<propeller> without {table}", f"{table} in <propeller>", f"add {table}")
 
     def table(self, node: Node) -> None:
         """Check the rows of a table, which follow from the number of its independent variables."""
         variables = sum(1 for child in node.children if child.tag == "independentVar")
         if variables == 0 and node.attributes.get("type") != "internal" and node.tag == "table":
-            self.tell(
+            self.add(
                 node,
                 node.line,
                 "a table without <independentVar>",
@@ -189,23 +212,49 @@ class _Walk:
 
     def rows(self, node: Node, dimensions: int | None, *, inside: bool) -> None:
         if inside and "breakPoint" not in node.attributes:
-            self.tell(node, node.line, "<tableData> without breakPoint", "where this part stands", 'add breakPoint="..."')
+            self.add(
+                node, node.line, "<tableData> without breakPoint", "where this part stands", 'add breakPoint="..."'
+            )
         if node.children:
             for child in node.children:
                 self.rows(child, dimensions, inside=True)
             return
         for problem in values.rows(node.line, node.lines(), dimensions):
-            self.tell(node, problem.line, problem.found, problem.expected, "complete or correct the row")
+            self.add(node, problem.line, problem.found, problem.expected, "complete or correct the row")
 
     def unknown(self, node: Node, line: int, found: str, name: str, known: Iterable[str], form: str) -> None:
         names = sorted(known)
-        near = difflib.get_close_matches(name, names, 3)
+        near = _near(name, names)
         if len(names) <= _NAMED:
             expected = f"one of: {', '.join(names)}" if names else f"nothing of that kind in <{node.tag}>"
         else:
             expected = f"{', '.join(near) or ', '.join(names[:_NAMED])}, or another that JSBSim reads there"
         remedy = f"write {form.format(near[0])}" if near else "rename or remove it; JSBSim would pass over it"
-        self.tell(node, line, found, expected, remedy)
+        self.add(node, line, found, expected, remedy)
+
+    def properties(self, node: Node, name: str) -> None:
+        """Keep the properties that an element writes or reads."""
+        for line, text in node.lines():
+            if name == "target":
+                self.written.setdefault(_bare(text), (node, line))
+            else:
+                self.read.update(_bare(word) for word in text.split())
+        self.read.update(_bare(node.attributes[key]) for key in ("value", "execute") if key in node.attributes)
+
+    def outputs(self) -> None:
+        """Check that no output misses, by a letter, the position that the companion file names."""
+        positions = {_bare(name) for key, name in self.aircraft.properties() if key.endswith("position")}
+        for position in sorted(positions - set(self.written)):
+            stray = [name for name in self.written if name not in self.read | positions]
+            for name in difflib.get_close_matches(position, stray, 1, 0.9):
+                node, line = self.written[name]
+                self.add(
+                    node,
+                    line,
+                    f"<output>{name}</output>, which nothing reads",
+                    f"{position}, the position that {self.aircraft.companion.name} names",
+                    f"write <output>{position}</output>, or name what is written in {self.aircraft.companion.name}",
+                )
 
     def included(self, node: Node, name: str, kind: Kind) -> Node | None:
         """Check the file that an element names, and return its root."""
@@ -218,7 +267,9 @@ class _Walk:
         root = read(path, "a file of a JSBSim aircraft")
         of = name if root.tag == node.tag else root.tag
         if root.tag != node.tag and root.tag not in kind.children:
-            self.unknown(root, root.line, f"<{root.tag}> as the root of a file for <{node.tag}>", root.tag, kind.children, "<{}>")
+            self.unknown(
+                root, root.line, f"<{root.tag}> as the root of a file for <{node.tag}>", root.tag, kind.children, "<{}>"
+            )
         elif (path, of) not in self.opened:
             self.opened.add((path, of))
             self.element(root, of)
@@ -226,9 +277,9 @@ class _Walk:
 
     def find(self, name: str, file: str) -> Path | None:
         """Return the file that JSBSim would open."""
-        own = self.aircraft.folder
+        folder_of_aircraft = self.aircraft.folder
         shared = {"system": self.aircraft.systems_dir}.get(name, self.aircraft.engine_dir)
-        for folder in (own, *(own / inner for inner in _FOLDERS.get(name, ())), shared):
+        for folder in (folder_of_aircraft, *(folder_of_aircraft / inner for inner in _FOLDERS.get(name, ())), shared):
             path = folder / (file if file.endswith(".xml") else f"{file}.xml")
             if path.is_file():
                 return path
@@ -249,6 +300,7 @@ def findings(aircraft: Aircraft) -> list[Finding]:
         walk.unknown(root, root.line, f"<{root.tag}> as the document's root", root.tag, ["fdm_config"], "<{}>")
         raise walk.found[0].error()
     walk.element(root, "fdm_config")
+    walk.outputs()
     planet = aircraft.folder / aircraft.planet if aircraft.planet else None
     if planet is not None and planet.is_file():
         root = read(planet, "a planet's file")
@@ -257,6 +309,20 @@ def findings(aircraft: Aircraft) -> list[Finding]:
         else:
             walk.unknown(root, root.line, f"<{root.tag}> as the root of a planet's file", root.tag, ["planet"], "<{}>")
     return walk.found
+
+
+def _bare(name: str) -> str:
+    """Return the name of a property without sign and without the index 0, which is understood."""
+    return name.strip().removeprefix("-").replace("[0]", "")
+
+
+def _near(name: str, names: Iterable[str]) -> list[str]:
+    """Return the names that may have been meant, nearest first; upper and lower case count as one."""
+    folded: dict[str, str] = {}
+    for known in names:
+        folded.setdefault(known.lower(), known)
+    cutoff = 0.5 if len(name) <= 3 else 0.6
+    return [folded[found] for found in difflib.get_close_matches(name.lower(), folded, 3, cutoff)]
 
 
 def _short(text: str) -> str:

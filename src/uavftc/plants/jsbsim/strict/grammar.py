@@ -1,10 +1,10 @@
 """What may stand in an element: the few words in which the tables of this package are written.
 
 A `Kind` is one way an element is read; two elements of one name can be of different kinds (the `<output>` of a
-component is a property's name, that of an aircraft a file). Children are written by kind, `{"number": "ixx! iyy ixz*"}`,
+component is a property's name, that of an aircraft a file). Children are written by kind, `{"number": "ixx! iyy"}`,
 with a mark behind the name: `!` must be there, `*` any number, `+` one or more, none at most one. Attributes are
 `name`, `name!` where it must be there, and `name=what`, with what a form of `values.FORMS` or the words allowed,
-`OR|AND`.
+`OR|AND`. Words stand in strings, because a table of a hundred names is read more easily so.
 """
 
 from __future__ import annotations

@@ -23,9 +23,7 @@ KINDS: dict[str, Kind] = {
     "propulsion": kind(
         {**_FUNCTIONS, "engine": "engine*", "tank": "tank*", "number": "dump-rate refuel-rate"}, "name", file=True
     ),
-    "engine": kind(
-        {**_MOUNT, "thruster": "thruster!", **{name: name for name in _ENGINES.split()}}, "name", file=True
-    ),
+    "engine": kind({**_MOUNT, "thruster": "thruster!", **{name: name for name in _ENGINES.split()}}, "name", file=True),
     "thruster": kind(
         {"place": "location!", "angles": "orient pointing", "number": "sense p_factor"}
         | {name: name for name in _THRUSTERS.split()},

@@ -42,13 +42,17 @@ KINDS: dict[str, Kind] = {
     ),
     # leaves
     "prose": kind(attributes="*", form="prose"),
-    "number": kind(attributes="unit=unit dispersion=number type=uniform|uniformsigned|gaussian|gaussiansigned", form="number"),
+    "number": kind(
+        attributes="unit=unit dispersion=number type=uniform|uniformsigned|gaussian|gaussiansigned", form="number"
+    ),
     "plain": kind(attributes="unit", form="number"),
     "declaration": kind(attributes="value=number persistent=true|false", form="property"),
     "place": kind({"coordinate": "x! y! z!"}, "unit=unit name"),
     "angles": kind({"coordinate": "roll! pitch! yaw!"}, "unit=unit name"),
     "direction": kind({"coordinate": "x! y! z!"}, "unit=unit"),
-    "coordinate": kind(attributes="dispersion=number type=uniform|uniformsigned|gaussian|gaussiansigned", form="number"),
+    "coordinate": kind(
+        attributes="dispersion=number type=uniform|uniformsigned|gaussian|gaussiansigned", form="number"
+    ),
     "functions": kind({"function": "function+"}),
     # sections
     "metrics": kind(
@@ -88,11 +92,13 @@ KINDS: dict[str, Kind] = {
     "strut": kind({"function": "function!"}),
     "brake_group": kind(form="any", words="LEFT RIGHT CENTER NOSE TAIL NONE"),
     "cornering": kind(
-        {"variable": "independentVar*", "data": "tableData+"}, "name!=CORNERING_COEFF|CORNERING_COEFF type=internal|internal"
+        {"variable": "independentVar*", "data": "tableData+"},
+        "name!=CORNERING_COEFF|CORNERING_COEFF type=internal|internal",
     ),
     "external_reactions": kind({**_MODEL, "force": "force*", "moment": "moment*"}, "name", file=True),
     "force": kind(
-        {"place": "location!", "direction": "direction", "function": "function"}, "name! frame!=BODY|LOCAL|WIND|INERTIAL unit"
+        {"place": "location!", "direction": "direction", "function": "function"},
+        "name! frame!=BODY|LOCAL|WIND|INERTIAL unit",
     ),
     "moment": kind({"direction": "direction!", "function": "function"}, "name! frame!=BODY|LOCAL|WIND|INERTIAL unit"),
     "buoyant_forces": kind({**_MODEL, "gas_cell": "gas_cell*"}, "name", file=True),
@@ -101,7 +107,12 @@ KINDS: dict[str, Kind] = {
     "autopilot": kind(_SYSTEM, "name", file=True),
     "flight_control": kind(_SYSTEM, "name", file=True),
     "aerodynamics": kind(
-        {**_MODEL, "axis": "axis+", "angle-limits": "alphalimits hysteresis_limits", "functions": "aero_ref_pt_shift_x"},
+        {
+            **_MODEL,
+            "axis": "axis+",
+            "angle-limits": "alphalimits hysteresis_limits",
+            "functions": "aero_ref_pt_shift_x",
+        },
         "name",
         file=True,
     ),
@@ -111,7 +122,9 @@ KINDS: dict[str, Kind] = {
     ),
     "angle-limits": kind({"number": "min! max!"}, "unit=unit"),
     "aircraft-input": kind(
-        {"declaration": "property*"}, "name type=SOCKET|QTJSBSIM|NONE port=number rate=number action protocol=UDP|TCP", file=True
+        {"declaration": "property*"},
+        "name type=SOCKET|QTJSBSIM|NONE port=number rate=number action protocol=UDP|TCP",
+        file=True,
     ),
     "aircraft-output": kind(
         {
@@ -126,9 +139,7 @@ KINDS: dict[str, Kind] = {
     "logged": kind(attributes="caption apply", form="property"),
     "on-off": kind(form="any", words="ON OFF"),
     "time": kind(attributes="type=simulation|real resolution=number"),
-    "child-aircraft": kind(
-        {"place": "location!", "angles": "orient"}, "name! mated=true|false internal=true|false"
-    ),
+    "child-aircraft": kind({"place": "location!", "angles": "orient"}, "name! mated=true|false internal=true|false"),
     "planet": kind(
         {"number": "semimajor_axis equatorial_radius semiminor_axis polar_radius rotation_rate! GM! J2!"},
         "name",

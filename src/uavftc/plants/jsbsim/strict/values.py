@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 Lines = Sequence[tuple[int, str]]
@@ -19,20 +20,21 @@ class Problem(NamedTuple):
     expected: str
 
 
-# as JSBSim's own reader takes them, which refuses hexadecimal, nan and inf
+# as JSBSim reads them; it refuses hexadecimal, nan and inf
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _NAME = r"[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?"
 _PROPERTY = re.compile(rf"-?/?{_NAME}(/{_NAME})*")
 _NO_NUMBER = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
-_COMPARISONS = frozenset("!= < <= == > >= EQ GE GT LE LT NE eq ge gt le lt ne".split())
+_COMPARISONS = frozenset("!= < <= == > >= EQ GE GT LE LT NE eq ge gt le lt ne".split())  # noqa: SIM905
 _AXIS = re.compile(r"row|column|table|axis[1-9]")
 
-UNITS = frozenset(
+_UNITS = (
     "M FT IN KM CM M2 FT2 CM2 IN2 FT3 IN3 CC M3 LTR GAL M/S M/SEC FT/S FT/SEC KTS KM/SEC RAD DEG RAD/SEC DEG/SEC "
     "KG LBS SLUG KG*M2 SLUG*FT2 N N/M LBS/FT N/M/SEC LBS/FT/SEC N/M2/SEC2 LBS/FT2/SEC2 N*M FT*LBS WATTS HP "
     "PA N/M2 LBS/FT2 PSF PSI ATM INHG KG/L LBS/GAL LBS/SEC KG/SEC KG/MIN LBS/MIN N/SEC LBS/HP*HR KG/KW*HR "
-    "M4*SEC/KG FT4*SEC/SLUG FT3/SEC2 M3/SEC2 VOLTS OHMS AMPERES".split()
+    "M4*SEC/KG FT4*SEC/SLUG FT3/SEC2 M3/SEC2 VOLTS OHMS AMPERES"
 )
+UNITS = frozenset(_UNITS.split())
 """Units that JSBSim converts; whether to what it needs, it checks itself."""
 
 
@@ -83,7 +85,7 @@ def rows(line: int, lines: Lines, dimensions: int | None) -> list[Problem]:
 def _shape(lines: Lines, table: list[list[str]], dimensions: int | None) -> list[Problem]:
     rest = Counter(len(row) for row in table[1:])
     common = rest.most_common(1)[0][0] if rest else len(table[0])
-    two = dimensions == 2 or (dimensions is None and (len(table[0]) != 2 or common != 2))
+    two = dimensions == 2 or (dimensions is None and common != 2)
     if not two:
         short = [i for i, row in enumerate(table) if len(row) != 2]
         expected = "two numbers in each row: the independent variable and the value"
@@ -104,9 +106,11 @@ def _monotone(lines: Lines, table: list[list[str]]) -> list[Problem]:
     numbers = [line for line, _ in (lines[1:] if two else lines)]
     for k in range(1, len(first)):
         if not first[k] > first[k - 1]:
-            return [Problem(numbers[k], f"{first[k]:g} after {first[k - 1]:g}", "breakpoints that rise from row to row")]
+            return [
+                Problem(numbers[k], f"{first[k]:g} after {first[k - 1]:g}", "breakpoints that rise from row to row")
+            ]
     columns = [float(word) for word in table[0]] if two else []
-    if any(not b > a for a, b in zip(columns, columns[1:], strict=False)):
+    if any(not b > a for a, b in pairwise(columns)):
         return [Problem(lines[0][0], f"breakpoints {lines[0][1]}", "breakpoints that rise along the row")]
     return []
 
