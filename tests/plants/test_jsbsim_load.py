@@ -63,7 +63,11 @@ TYPOS = {
     "ixz": ("hale.xml", [(IXZ, IXZ.replace("ixz", "ixzz"))], ["hale.xml, line {line}", "<ixzz>", "ixz, iyy"]),
     "iyy": ("hale.xml", [("iyy", "iyyy")], ["hale.xml, line {line}", "<iyyy>", "write <iyy>"]),
     "root tag": ("hale.xml", [("fdm_config", "fdm_konfig")], ["hale.xml, line 3", "<fdm_konfig>", "fdm_config"]),
-    "section": ("hale.xml", [("mass_balance", "mas_balance")], ["hale.xml", "No mass_balance element"]),
+    "section": (
+        "hale.xml",
+        [("mass_balance", "mas_balance")],
+        ["hale.xml, line {line}", "<mas_balance>", "write <mass_balance>"],
+    ),
     # a value that says something else than the companion file
     "sign of ixz": ("hale.xml", [(IXZ, IXZ.replace("6221", "-6221"))], ["hale.xml", "inertia", "8435", "-8435"]),
     "KG*M2": (
@@ -86,7 +90,7 @@ TYPOS = {
     "malformed engine": (
         "engine/hale_motor.xml",
         [("</electric_engine>", "")],
-        ["engine/hale_motor.xml", "line 7", "XML parse error"],
+        ["engine/hale_motor.xml, line 7", "malformed XML"],
     ),
     "missing engine": ("hale.xml", [('file="hale_motor"', 'file="no_motor"')], ["line {line}", "no_motor"]),
     "missing system": ("hale.xml", [('file="hale_autothrottle"', 'file="no_system"')], ["line {line}", "no_system"]),

@@ -17,6 +17,9 @@ from uavftc.scenario.schema import Scenario
 
 AMPLE = 3.0  # authority, available over demanded, that is enough to choose an airspeed without looking further
 
+BANDWIDTH = (0.5, 0.5, 0.5)  # 1/s, the paper's
+STEP_RAD = math.radians(5.0)  # the paper's step; see reasons_against_any
+
 
 def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
     """Return the aircraft's trimmed model at the scenario's condition, or None where the analytic plant needs none.
@@ -34,8 +37,7 @@ def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
     if airspeed is None:
         return choose_airspeed(scenario, aircraft, trimmed_models(aircraft, altitude))
     model = trimmed_model(aircraft, airspeed, altitude)
-    if aircraft.analytic is None:
-        refuse_unflyable(scenario, aircraft, model)
+    refuse_unflyable(scenario, aircraft, model)
     return model
 
 
@@ -50,7 +52,7 @@ def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
     """Return the authority of a trimmed model for the largest step of the scenario's reference."""
     controller = scenario.controller
     # a custom controller states neither; the paper's values stand for an ordinary step
-    A_m, bandwidth = A_M, (0.5, 0.5, 0.5)
+    A_m, bandwidth = A_M, BANDWIDTH
     if not isinstance(controller, CustomController):
         A_m = getattr(controller.inner, "A_m", A_m)  # and so do laws that have neither
         bandwidth = getattr(controller.outer, "bandwidth", bandwidth)
@@ -88,17 +90,35 @@ def best_model(scenario: Scenario, models: Sequence[TrimmedModel]) -> TrimmedMod
     """Return the model at the lowest airspeed with ample authority, or else with the most, flyable or not."""
     ratios = []
     for model in models:
-        found = obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
-        ratios.append(-1.0 if found else float(np.min(authority_of(scenario, model).ratio)))
+        ratios.append(-1.0 if obstacles_of(model) else float(np.min(authority_of(scenario, model).ratio)))
     ample = [i for i, ratio in enumerate(ratios) if ratio >= AMPLE]
     return models[ample[0] if ample else int(np.argmax(ratios))]
+
+
+def obstacles_of(model: TrimmedModel) -> list[str]:
+    """Return why no controller can fly an aircraft at a trim, whatever it is asked to do; empty if one can."""
+    return obstacles(model.B_rates, np.array(model.limits_rad), np.array(model.nonlinearity), None)
 
 
 def reasons_against(scenario: Scenario, model: TrimmedModel) -> list[str]:
     """Return why the controller cannot fly an aircraft at a trim; empty if it can."""
     limits, nonlinearity = np.array(model.limits_rad), np.array(model.nonlinearity)
-    found = obstacles(model.B_rates, limits, nonlinearity, None)
+    found = obstacles_of(model)
     return found or obstacles(model.B_rates, limits, nonlinearity, authority_of(scenario, model).ratio)
+
+
+def reasons_against_any(model: TrimmedModel) -> list[str]:
+    """Return why an aircraft with a rotational model in its companion file cannot be flown; empty if it can.
+
+    No scenario is refused for its reference or its bandwidth: such an aircraft is flown to its limits on purpose. But
+    it must be controlled about each axis, which is checked with a step of `STEP_RAD` at the paper's bandwidth.
+    """
+    if found := obstacles_of(model):
+        return found
+    limits, nonlinearity, step = np.array(model.limits_rad), np.array(model.nonlinearity), np.full(3, STEP_RAD)
+    A, B = np.array(model.A), np.array(model.B)
+    counted = authority(A, B, limits, A_m=np.array(A_M), bandwidth=np.array(BANDWIDTH), step=step)
+    return obstacles(model.B_rates, limits, nonlinearity, counted.ratio)
 
 
 def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel) -> None:
@@ -109,7 +129,8 @@ def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
     InputError
         If a surface does not respond, B is ill-conditioned, or an axis has too little authority for the reference.
     """
-    if found := reasons_against(scenario, model):
+    found = reasons_against(scenario, model) if aircraft.analytic is None else reasons_against_any(model)
+    if found:
         airspeed = model.trim["airspeed"]
         raise InputError(
             f"aircraft {aircraft.name}, at {airspeed:g} m/s and {model.trim['altitude']:g} m",

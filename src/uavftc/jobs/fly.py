@@ -12,7 +12,7 @@ from uavftc.analysis.metrics import Metrics
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import Outcome, fly
 from uavftc.flight.trusted import TrustedRange
-from uavftc.results.flight import FlightResult, metadata_of, origin_of
+from uavftc.results.flight import FlightResult, metadata_of, notes_of, origin_of
 from uavftc.results.folder import ResultFolder
 from uavftc.results.history import ParquetRecorder, read_history
 from uavftc.results.hold import Hold
@@ -77,7 +77,8 @@ def fly_mission(
             if outcome.interrupted:
                 hold.take()
             axes = metrics.axes(completed=outcome.completed)
-            result = FlightResult(flight.scenario, outcome, axes, None, origin, trusted.remarks())
+            remarks = (*notes_of(flight), *trusted.remarks())
+            result = FlightResult(flight.scenario, outcome, axes, None, origin, remarks)
             (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
             document = result.summary()
             if figures:

@@ -14,6 +14,7 @@ from uavftc.core.signals import SURFACES
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
 from uavftc.flight.inputs import Inputs
+from uavftc.plants.jsbsim import strict
 from uavftc.results.context import FaultWindow, FigureContext, fault_label
 from uavftc.results.history import write_history
 from uavftc.results.summary import provenance, summary, title_of
@@ -113,6 +114,11 @@ def origin_of(flight: Flight) -> dict[str, Any]:
     if isinstance(scenario.controller, CustomController):
         origin["controller_sha256"] = checksum(scenario.controller.kind)
     return origin
+
+
+def notes_of(flight: Flight) -> tuple[str, ...]:
+    """Return what is worth knowing about the aircraft's files, where they were read, one line each."""
+    return () if flight.model is None else tuple(strict.warnings(flight.aircraft))
 
 
 def metadata_of(scenario: Scenario, origin: dict[str, Any]) -> dict[str, str]:

@@ -14,7 +14,7 @@ from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.flight.recorder import published
 from uavftc.flight.trusted import TrustedRange
-from uavftc.results.flight import FlightResult, origin_of
+from uavftc.results.flight import FlightResult, notes_of, origin_of
 from uavftc.results.hold import Hold
 from uavftc.scenario.schema import Scenario
 
@@ -42,7 +42,8 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     trusted = TrustedRange(flight.aircraft.trusted)
     trusted.take(records)
     history = published(records) if keep_history else None
-    return FlightResult(flight.scenario, outcome, axes, history, origin, trusted.remarks())
+    remarks = (*notes_of(flight), *trusted.remarks())
+    return FlightResult(flight.scenario, outcome, axes, history, origin, remarks)
 
 
 def _fly_some(scenarios: Sequence[Scenario], keep_history: bool) -> list[FlightResult]:

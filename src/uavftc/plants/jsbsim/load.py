@@ -1,26 +1,24 @@
 """Strict loading of a JSBSim aircraft.
 
 JSBSim lets several typing errors pass: an unknown element leaves a mass or an inertia at zero, an unknown operator
-leaves a line in the log. Here an `InputError` is raised for any message of level WARN or worse, any unknown element
-inside `metrics` and `mass_balance`, and any difference from the mass properties of the companion file. An element that
-JSBSim passes over elsewhere (a whole aerodynamic term, say) is not found by this.
+leaves a line in the log. Here an `InputError` is raised for anything that JSBSim would pass over in the files
+(`strict`), any message of level WARN or worse, and any difference from the mass properties of the companion file.
 """
 
 from __future__ import annotations
 
-import difflib
 import threading
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
-from xml.parsers import expat
 
 import jsbsim
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
 from uavftc.errors import InputError
+from uavftc.plants.jsbsim import strict
 from uavftc.plants.jsbsim.moment import copy_with_moment
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
@@ -29,28 +27,6 @@ FLAT_PLANET = Path(__file__).with_name("flat_planet.xml")
 
 _SHOWN = 4  # of JSBSim's complaints; the first ones name the cause
 _WARN, _FATAL = int(jsbsim.LogLevel.WARN), int(jsbsim.LogLevel.FATAL)
-
-# Children that JSBSim reads; it silently ignores any other, which loses a mass or an inertia.
-_KNOWN_CHILDREN = {
-    "mass_balance": frozenset(
-        ["ixx", "iyy", "izz", "ixy", "ixz", "iyz", "emptywt", "location", "pointmass", "documentation", "description"]
-    ),
-    "metrics": frozenset(
-        [
-            "wingarea",
-            "wingspan",
-            "wing_incidence",
-            "chord",
-            "htailarea",
-            "htailarm",
-            "vtailarea",
-            "vtailarm",
-            "location",
-            "documentation",
-            "description",
-        ]
-    ),
-}
 
 
 class _Log(jsbsim.FGLogger):
@@ -106,8 +82,7 @@ def load(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> jsbsim.
         If JSBSim cannot read the aircraft or, of an aircraft with a companion file, complains about it.
     """
     folder = aircraft.folder
-    if aircraft.strict:
-        check_elements(aircraft.xml)
+    strict.refuse(aircraft)
     if with_moment and aircraft.disturbance_moment is None:
         folder = copy_with_moment(aircraft)
     planet = FLAT_PLANET if aircraft.planet is None else aircraft.folder / aircraft.planet
@@ -219,54 +194,3 @@ def _numbers(value: Any) -> str:
     if np.ndim(value) == 0:
         return f"{float(value):.9g}"
     return np.array2string(np.asarray(value), precision=9, separator=", ").replace("\n", "")
-
-
-def check_elements(xml: Path) -> None:
-    """Check the XML for mistakes that JSBSim does not report.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or parsed, its root is not `fdm_config`, or `metrics` or `mass_balance` hold an
-        element that JSBSim would pass over.
-    """
-    open_elements: list[str] = []
-    parser = expat.ParserCreate()
-
-    def start(tag: str, _attributes: dict[str, str]) -> None:
-        line = parser.CurrentLineNumber
-        if not open_elements and tag != "fdm_config":
-            raise _element_error(xml, line, tag, "the document's root", ["fdm_config"])
-        if len(open_elements) == 2 and tag not in _KNOWN_CHILDREN.get(open_elements[1], {tag}):
-            raise _element_error(xml, line, tag, f"a child of <{open_elements[1]}>", _KNOWN_CHILDREN[open_elements[1]])
-        open_elements.append(tag)
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = lambda _tag: open_elements.pop()
-    try:
-        parser.Parse(xml.read_bytes(), True)
-    except OSError as error:
-        raise InputError(
-            f"aircraft file {xml}",
-            found=error.strerror or str(error),
-            expected="a JSBSim aircraft definition",
-            remedy="check the path and its permissions",
-        ) from None
-    except expat.ExpatError as error:
-        raise InputError(
-            f"aircraft file {xml}, line {error.lineno}",
-            found=f"malformed XML: {expat.errors.messages[error.code]}",
-            expected="well-formed XML",
-            remedy="close and nest the elements around this line properly",
-        ) from None
-
-
-def _element_error(xml: Path, line: int, tag: str, place: str, known: Iterable[str]) -> InputError:
-    names = sorted(known)
-    near = difflib.get_close_matches(tag, names, 1)
-    return InputError(
-        f"aircraft file {xml}, line {line}",
-        found=f"<{tag}> as {place}",
-        expected=f"one of: {', '.join(names)}",
-        remedy=f"write <{near[0]}>" if near else "rename or remove the element; JSBSim would ignore it",
-    )

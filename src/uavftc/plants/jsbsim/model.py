@@ -25,6 +25,7 @@ from uavftc.aircraft.definition import Aircraft
 from uavftc.analysis import modes
 from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
+from uavftc.plants.jsbsim import strict
 
 TIMEOUT_S = 120.0
 FRAME_S = 0.005  # the trim does not depend on the rate at which it is flown
@@ -144,6 +145,7 @@ def trimmed_model(aircraft: Aircraft, airspeed: float, altitude: float) -> Trimm
     InputError
         If the aircraft crashes JSBSim, does not load, or has no trim there.
     """
+    strict.refuse(aircraft)
     return _cached(aircraft, aircraft.sha256(), (airspeed,), altitude)[0]
 
 
@@ -155,6 +157,7 @@ def trimmed_models(aircraft: Aircraft, altitude: float) -> tuple[TrimmedModel, .
     InputError
         If the aircraft crashes JSBSim, does not load, or trims at none of the speeds.
     """
+    strict.refuse(aircraft)
     return _cached(aircraft, aircraft.sha256(), SPEEDS_MPS, altitude)
 
 
@@ -191,7 +194,7 @@ def cache_dir() -> Path:
     for source in (
         Path(aircraft_module.__file__),
         Path(modes.__file__),
-        *sorted(here.glob("*.py")),
+        *sorted(here.rglob("*.py")),
         *sorted(here.glob("*.xml")),
     ):
         digest.update(source.read_bytes())
