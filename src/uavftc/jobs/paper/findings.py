@@ -15,6 +15,7 @@ from uavftc.control.rbf import NODES, basis
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.jobs.campaign.pool import Flown
 from uavftc.jobs.paper import printed
+from uavftc.jobs.paper.captions import NOISY
 from uavftc.jobs.paper.plan import (
     CASES,
     CLAIM_DELAY_MS,
@@ -151,7 +152,8 @@ def loop_delay(flights: Flights, plant: str) -> Finding:
             "(With a delay of part of a sample JSBSim runs finer frames, and its frame of delay is shorter.)"
             if plant == "jsbsim"
             else "Tracking alone hides it: the integral metrics stay close until the loop is lost."
-        ),
+        )
+        + f" {NOISY}",
         ("delay [ms]", "L1 largest IAE", "L1 activity [rad]", "MRAC largest IAE", "MRAC activity [rad]"),
         rows,
         f"uavftc compare scenario2 --plants {plant} --controllers nndondi-l1,nndondi-mrac "
