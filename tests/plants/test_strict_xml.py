@@ -183,8 +183,8 @@ def test_an_aircraft_without_roll_control_is_refused_in_spite_of_its_analytic_mo
 
 @pytest.mark.parametrize("surface", ["aileron", "rudder"])
 def test_a_surface_that_moves_nothing_is_refused_in_spite_of_an_analytic_model(surface, edited):
-    # Its channel ends at a property of another name, so the position that JSBSim itself has stays at zero. Without its elevator
-    # there is no trim, which is refused before.
+    # Its channel ends at a property of another name, so the position that JSBSim itself has stays at zero.
+    # Without its elevator there is no trim, which is refused before.
     position = {"aileron": "left-aileron", "rudder": "rudder"}[surface]
     output = f"<output>fcs/{position}-pos-rad</output>"
     folder = edited("hale.xml", (output, output.replace("pos-rad", "elsewhere")))
