@@ -44,7 +44,7 @@ def no_child(monkeypatch):
     def child(*_args, **_options):
         raise AssertionError("a child process was started")
 
-    monkeypatch.setattr(subprocess, "run", child)
+    monkeypatch.setattr(subprocess, "Popen", child)
     model._cached.cache_clear()
 
 

@@ -109,7 +109,7 @@ KINDS: dict[str, Kind] = {
     "aerodynamics": kind(
         {
             **_MODEL,
-            "axis": "axis+",
+            "axis": "axis*",
             "angle-limits": "alphalimits hysteresis_limits",
             "functions": "aero_ref_pt_shift_x",
         },
