@@ -121,6 +121,12 @@ REFUSED = [
         "controller.inner.A_m",
         ["not Hurwitz", "A_m + K_1"],
     ),
+    (
+        "controller: {inner: {A_m: [[-8.5, 1.2, -3.5], [-1.5, -1e+12, -1], [-0.02, 0, -2]]}}",
+        3,
+        "controller.inner.A_m",
+        ["condition number below 1e+08"],
+    ),
     ("controller: {inner: {Q: [[1, 1, 0], [0, 1, 0], [0, 0, 1]]}}", 3, "controller.inner.Q", ["not symmetric"]),
     (
         "controller: {inner: {Q: [[1, 0, 0], [0, -1, 0], [0, 0, 1]]}}",

@@ -6,7 +6,7 @@ import numpy as np
 
 from uavftc.config.values import Matrix3, Problem
 
-MAX_CONDITION = 1e8  # of B_m; beyond it the inverse has lost half of its digits
+MAX_CONDITION = 1e8  # of B_m and A_m + K_1; beyond it what is solved with them has lost half of its digits
 
 
 def is_hurwitz(matrix: np.ndarray) -> bool:
@@ -21,8 +21,18 @@ def hurwitz(A_m: Matrix3, K_1: Matrix3) -> list[Problem]:
     """A_s = A_m + K_1 governs the prediction error, so it must be stable."""
     with np.errstate(all="ignore"):
         A_s = np.array(A_m) + np.array(K_1)
-    if is_hurwitz(A_s):
+        condition = float(np.linalg.cond(A_s)) if is_hurwitz(A_s) else np.inf
+    if condition < MAX_CONDITION:
         return []
+    if is_hurwitz(A_s):
+        return [
+            Problem(
+                ("A_m",),
+                f"A_m + K_1 = {A_s.tolist()}, condition number {condition:.3g}",
+                f"A_m + K_1 with a condition number below {MAX_CONDITION:g}; beyond it P of eq. (31) has no digits",
+                "bring its entries closer together; the paper's A_m with K_1 = identity is the default",
+            )
+        ]
     return [
         Problem(
             ("A_m",),
