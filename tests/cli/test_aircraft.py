@@ -134,3 +134,19 @@ def test_the_whole_list(monkeypatch):
     assert len(rows) > 40
     assert sum(row["flyable"] for row in rows) >= 26
     assert all(row["reason"] for row in rows if not row["flyable"])
+
+
+def test_what_design_has_measured_is_known_to_the_list(few):
+    assert CliRunner().invoke(umbrella, ["design", "jsbsim:c172p"]).exit_code == 0
+    assert [row["measured"] for row in as_json("--quick")] == [False, True, False]
+    assert CliRunner().invoke(umbrella, ["design", "hale", "--airspeed-mps", "32"]).exit_code == 0  # not as listed
+    assert [row["measured"] for row in as_json("--quick")] == [False, True, False]
+
+
+def test_a_long_reason_goes_on_in_the_next_line():
+    from uavftc.report import fleet_table
+
+    row = fleet._row("jsbsim:wrightFlyer1903", measured=True, reason="one word after another " * 6)
+    lines = fleet_table.lines([row])
+    assert max(map(len, lines)) <= 80
+    assert " ".join(" ".join(lines[2:-2]).split()).endswith(("one word after another " * 6).strip())

@@ -134,3 +134,24 @@ def test_ctrl_c_ends_it_at_once_and_leaves_nothing(tmp_path):
     assert out == ""  # no second flight was begun
     assert "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_one_of_six_controllers_is_shown_in_80_columns():
+    six = "nndondi-l1,ndi-l1,nndondi-mrac,ndi-mrac,pid,lqi"
+    done = run("scenario3", *SHORT, "--plants", "analytic", "--controllers", six)
+    assert done.exit_code == 0, done.output
+    lines = done.stdout.splitlines()
+    assert max(map(len, lines)) <= 80
+    headings = [line.split() for line in lines if line.split() and set(line.split()) <= set(six.split(","))]
+    assert [name for heading in headings for name in heading] == six.split(",")
+    assert sum(line.startswith("IAE") for line in lines) == 3 * len(headings)  # each block has its axes
+    assert "…" not in done.stdout
+
+
+def test_the_scenario_inside_the_result_folder_is_not_lost():
+    assert run("scenario3", *SHORT, "--plants", "analytic", "--out", "mine").exit_code == 0
+    before = Path("mine/scenario.yaml").read_bytes()
+    done = run("mine/scenario.yaml", "--plants", "analytic", "--set", "duration_s=1", "--out", "mine")
+    assert done.exit_code == 2
+    assert "scenario.yaml, which is to be flown, inside it" in done.stderr
+    assert Path("mine/scenario.yaml").read_bytes() == before

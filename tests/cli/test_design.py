@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -382,3 +381,27 @@ def test_wrong_input_is_reported(case, tmp_path):
     assert "Traceback" not in done.stderr
     for word in words:
         assert word in done.stderr, done.stderr
+
+
+def test_no_number_is_cut_off_at_80_columns(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    done = CliRunner().invoke(umbrella, ["design", "hale"])
+    assert done.exit_code == 0
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert not {"…", "..."} & {text for text in ("…", "...") if text in done.stdout}
+    (phugoid,) = (line for line in done.stdout.splitlines() if line.startswith("phugoid"))
+    assert re.search(r"-0\.\d{4} \+/- 0\.\d{4}j", phugoid)
+
+
+def test_a_figure_replaces_no_file_of_the_users_without_force(tmp_path):
+    file = tmp_path / "photo.png"
+    file.write_bytes(b"mine")
+    done = CliRunner().invoke(umbrella, ["design", "hale", "--figure", str(file)])
+    assert done.exit_code == 2
+    assert "a file that uavftc did not write" in done.stderr
+    assert file.read_bytes() == b"mine"
+    for _ in range(2):  # with --force, and then it is ours
+        arguments = [] if file.read_bytes() != b"mine" else ["--force"]
+        done = CliRunner().invoke(umbrella, ["design", "hale", "--figure", str(file), *arguments])
+        assert done.exit_code == 0, done.output
+    assert file.read_bytes().startswith(b"\x89PNG")

@@ -210,3 +210,33 @@ def test_the_umbrella_command_carries_fly(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     version = subprocess.run([*umbrella, "--version"], capture_output=True, text=True, check=True, timeout=60)
     assert version.stdout.startswith("uavftc ")
+
+
+def test_the_scenario_of_a_result_folder_is_not_lost_edited_or_not(tmp_path: Path) -> None:
+    # the first thing a user does with it: open it, add a comment, fly it with the same default folder
+    short = ("--plant", "analytic", "--no-plots", "--set", "duration_s=1")
+    assert fly(tmp_path, "scenario1", *short).returncode == 0
+    scenario = tmp_path / "results" / "scenario1-nndondi-l1-analytic" / "scenario.yaml"
+    for words in ("which is to be flown, inside it", "which was changed after uavftc wrote it"):
+        before = scenario.read_bytes()
+        done = fly(tmp_path, str(scenario), "--no-plots", "--set", "duration_s=2")
+        assert done.returncode == 2
+        assert words in done.stderr
+        assert scenario.read_bytes() == before
+        scenario.write_bytes(b"# mine\n" + before)
+    assert fly(tmp_path, str(scenario), "--no-plots", "--out", "elsewhere").returncode == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="flock")
+def test_two_flights_into_one_folder_at_a_time_are_one_flight_and_a_message(tmp_path: Path) -> None:
+    arguments = ["scenario1", "--set", "duration_s=3600", "--out", "one", "--no-plots"]
+    with subprocess.Popen([*COMMAND, *arguments], cwd=tmp_path, stdout=-3, stderr=-3) as first:
+        deadline = time.monotonic() + 60.0
+        while not list(tmp_path.glob(".one.partial-*/history.parquet")) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        second = fly(tmp_path, "scenario1", "--out", "one", "--no-plots")
+        first.send_signal(signal.SIGINT)
+        assert first.wait(timeout=60) == 130
+    assert second.returncode == 2
+    assert "another uavftc that is writing to it" in second.stderr
+    assert os.listdir(tmp_path) == ["one"]

@@ -64,7 +64,7 @@ def _say(text: str) -> None:
 def _in_one_line(error: OSError | MemoryError) -> str:
     if isinstance(error, MemoryError):
         return "not enough memory"
-    text = error.strerror or str(error) or type(error).__name__
+    text = os.strerror(error.errno) if error.errno else error.strerror or str(error) or type(error).__name__
     return " ".join((f"{text}: {error.filename}" if error.filename else text).split())
 
 

@@ -242,21 +242,23 @@ class ResultFolder:
     def _end(self) -> None:
         """Leave either the new folder in its place or no trace of it, and nothing beside it but what is said."""
         committed = self._is_made_here(self.target)
-        for _ in range(2):  # what failed once by chance is tried again
-            if os.path.lexists(self._old) and not os.path.lexists(self.target):
-                with suppress(OSError):
-                    self._old.rename(self.target)
-        away = os.path.lexists(self._old) and not os.path.lexists(self.target)
+        for _ in range(3):  # what failed once by chance is tried again
+            away = _is_there(self._old) and not os.path.lexists(self.target)
+            if not away:
+                break
+            with suppress(OSError):
+                self._old.rename(self.target)
         for folder in [self.path] if away else [self.path, self._old]:
             for _ in range(2):
-                if not os.path.lexists(folder):
+                if not _is_there(folder):
                     break
                 if self._is_made_here(folder):
                     shutil.rmtree(folder, ignore_errors=True)
-                elif self._made is not None or folder is self._old:
-                    manifest.remove_ours(folder)
-                else:  # made, and not even looked at yet
-                    with suppress(OSError):
+                    continue
+                with suppress(OSError):
+                    if self._made is not None or folder is self._old:
+                        manifest.remove_ours(folder)
+                    else:  # made, and not even looked at yet
                         folder.rmdir()
             self._say_what_remains(folder)
         self._made = None
@@ -296,13 +298,15 @@ class ResultFolder:
             self._say_what_remains(folder)
 
     def _say_what_remains(self, folder: Path) -> None:
-        if os.path.lexists(folder):
-            inside = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if not p.is_dir())
+        if _is_there(folder):
+            inside: list[str] = []
+            with suppress(OSError):
+                inside = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if not p.is_dir())
             what = ", ".join(inside[:3]) + (f" and {len(inside) - 3} more" if len(inside) > 3 else "")
             _log.warning(
                 "warning: %s stays, with %s: edited, not written by uavftc, or not removable; look, then remove it",
                 folder,
-                what or "nothing in it",
+                what or "nothing that can be seen",
             )
 
     def _remove_created(self) -> None:
@@ -313,3 +317,14 @@ class ResultFolder:
 
     def _error(self, found: str, expected: str, remedy: str) -> InputError:
         return InputError(f"--out {self._shown}", found=found, expected=expected, remedy=remedy)
+
+
+def _is_there(path: Path) -> bool:
+    """Return whether something has the name; what cannot be looked at may."""
+    try:
+        os.lstat(path)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        return True
+    return True

@@ -91,14 +91,14 @@ class Lock:
             elif self._is(descriptor):
                 _remove(self.path)
         self._descriptor = None
-        os.close(descriptor)
+        _close(descriptor)
 
     def _forget(self, descriptor: int) -> None:
         """Close a file that could not be made the lock, and remove it if nothing stands in it."""
         with contextlib.suppress(OSError):
             if os.fstat(descriptor).st_size == 0 and self._is(descriptor):
                 _remove(self.path)
-        os.close(descriptor)
+        _close(descriptor)
 
     def _is(self, descriptor: int) -> bool:
         """Return whether the open file is still the one that has the name."""
@@ -106,6 +106,11 @@ class Lock:
             return os.path.samestat(os.fstat(descriptor), os.lstat(self.path))
         except FileNotFoundError:
             return False
+
+
+def _close(descriptor: int) -> None:
+    with contextlib.suppress(OSError):  # it is closed then too
+        os.close(descriptor)
 
 
 def _remove(path: Path) -> None:
