@@ -143,7 +143,7 @@ def test_an_aircraft_without_a_companion_is_warned_about(edited):
     folder = edited("hale.xml", *changes, ('name="NOSE_SKID"', 'name="NOSE_SKID" nmae="x"'))
     with pytest.raises(CombinedInputError) as error:
         strict.refuse(load_aircraft(str(folder)))
-    assert len(error.value.errors) == 4
+    assert len(error.value.errors) == 5
     (folder / "uavftc.yaml").unlink()
     bare = load_aircraft(str(folder))
     strict.refuse(bare)

@@ -33,7 +33,17 @@ def refuse(aircraft: Aircraft) -> None:
         With file, line, what was found and what was expected.
     """
     if aircraft.strict and (found := _kept(aircraft, aircraft.sha256())):
-        raise join([finding.error() for finding in found[:_SHOWN]])
+        errors = [finding.error() for finding in found]
+        if len(errors) > _SHOWN + 1:  # one more takes no more room than to say so
+            errors[_SHOWN:] = [
+                InputError(
+                    f"aircraft {aircraft.name}, {aircraft.xml}",
+                    found=f"{len(found) - _SHOWN} more of this kind",
+                    expected="none",
+                    remedy="correct these first; the others are shown then",
+                )
+            ]
+        raise join(errors)
 
 
 def warnings(aircraft: Aircraft) -> list[str]:
