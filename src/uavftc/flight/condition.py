@@ -118,7 +118,10 @@ def reasons_against_any(model: TrimmedModel) -> list[str]:
     limits, nonlinearity, step = np.array(model.limits_rad), np.array(model.nonlinearity), np.full(3, STEP_RAD)
     A, B = np.array(model.A), np.array(model.B)
     counted = authority(A, B, limits, A_m=np.array(A_M), bandwidth=np.array(BANDWIDTH), step=step)
-    return obstacles(model.B_rates, limits, nonlinearity, counted.ratio)
+    return [
+        line.replace("for the reference", "for a small step")
+        for line in obstacles(model.B_rates, limits, nonlinearity, counted.ratio)
+    ]
 
 
 def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel) -> None:
@@ -129,14 +132,17 @@ def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
     InputError
         If a surface does not respond, B is ill-conditioned, or an axis has too little authority for the reference.
     """
-    found = reasons_against(scenario, model) if aircraft.analytic is None else reasons_against_any(model)
+    if aircraft.analytic is None:
+        found, step, smaller = reasons_against(scenario, model), "the reference", ", a smaller reference"
+    else:
+        found, step, smaller = reasons_against_any(model), f"a step of {math.degrees(STEP_RAD):g} deg", ""
     if found:
         airspeed = model.trim["airspeed"]
         raise InputError(
             f"aircraft {aircraft.name}, at {airspeed:g} m/s and {model.trim['altitude']:g} m",
             found="; ".join(found),
-            expected="three surfaces that respond, each mostly on its own axis, with authority for the reference",
-            remedy="choose another initial.airspeed_mps, a smaller reference, or another aircraft "
+            expected="three surfaces that respond, each mostly on its own axis, with authority for " + step,
+            remedy=f"choose another initial.airspeed_mps{smaller}, or correct or choose another aircraft "
             f"(uavftc design {aircraft.reference} shows the numbers)",
         )
 
