@@ -17,30 +17,19 @@ import re
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, Field, PrivateAttr, ValidationError
+from pydantic import AfterValidator, Field, PrivateAttr, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
+from uavftc.aircraft.effectors import Effector, Property, Surface, Surfaces, Throttle, Weight, problems
 from uavftc.config.document import Document
 from uavftc.config.explain import explain
 from uavftc.config.shipped import aircraft_dir, aircraft_names
-from uavftc.config.values import Matrix3, Model, Number, Positive, list_of
+from uavftc.config.values import Matrix3, Model, Number, Positive, list_of, refusal
 from uavftc.errors import InputError, join
 from uavftc.scenario.load import read_document
 
 COMPANION = "uavftc.yaml"
 STOCK = "jsbsim:"
-
-# JSBSim aborts the process when asked for a name that is no XML name, so no other ever reaches it.
-_PROPERTY = r"[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?(/[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?)*"
-
-
-def _property(name: str) -> str:
-    if len(name) > 200 or not re.fullmatch(_PROPERTY, name):
-        raise PydanticCustomError("property", "the path of a JSBSim property, such as fcs/aileron-cmd-norm or a/b[1]")
-    return name
-
-
-Property = Annotated[str, AfterValidator(_property)]
 
 
 class InitialCondition(Model):
@@ -58,39 +47,6 @@ class MassProperties(Model):
     wing_area_m2: Positive
     span_m: Positive
     chord_m: Positive
-
-
-class Surface(Model):
-    """A control surface: its command and position properties, and how the command counts.
-
-    `rad_per_command` is the deflection, rad, per unit of the command, negative where a positive command gives a
-    negative moment about the surface's axis; null is measured. `stop_rad` is the mechanical stop either side of
-    neutral; null is a command range of -1 to 1.
-    """
-
-    command: Property
-    position: Property | None = None
-    stop_rad: Positive | None = None
-    rad_per_command: Number | None = None
-
-
-def _standard(command: str, position: str) -> Surface:
-    return Surface(command=f"fcs/{command}-cmd-norm", position=f"fcs/{position}-pos-rad")
-
-
-class Surfaces(Model):
-    """The three surfaces; deflections count so that positive gives a positive moment about the surface's axis."""
-
-    aileron: Surface = _standard("aileron", "left-aileron")
-    elevator: Surface = _standard("elevator", "elevator")
-    rudder: Surface = _standard("rudder", "rudder")
-
-
-class Throttle(Model):
-    """Commands that the trim sets, 0..1, and the positions that result; without these, the command is recorded."""
-
-    command: Annotated[tuple[Property, ...], Field(min_length=1)]
-    position: Annotated[tuple[Property, ...], Field(min_length=1)] | None = None
 
 
 class Autothrottle(Model):
@@ -133,6 +89,8 @@ class Aircraft(Model):
     initial: InitialCondition | None = None
     mass_properties: MassProperties | None = None
     surfaces: Surfaces = Surfaces()
+    effectors: dict[str, Effector] = Field(default_factory=dict)
+    gangs: dict[str, dict[str, Weight]] = Field(default_factory=dict)
     throttle: Throttle | None = None
     autothrottle: Autothrottle | None = None
     disturbance_moment: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")] | None = None
@@ -140,9 +98,18 @@ class Aircraft(Model):
     planet: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*\.xml$")] | None = None
     analytic: AnalyticModel | None = None
 
+    @model_validator(mode="after")
+    def _consistent(self) -> Aircraft:
+        if found := problems(self.effectors, self.gangs, self.model_fields_set):
+            raise refusal(found)
+        return self
+
     _folder: Path = PrivateAttr(default=Path())
     _stock: bool = PrivateAttr(default=False)
     _checked: bool = PrivateAttr(default=True)
+
+    def __hash__(self) -> int:  # its dictionaries have no hash
+        return hash((self.name, self._folder))
 
     @property
     def folder(self) -> Path:
@@ -179,6 +146,18 @@ class Aircraft(Model):
         """Where JSBSim looks for systems."""
         return self.folder.parents[1] / "systems" if self._stock else self.folder / "systems"
 
+    def named_effectors(self) -> dict[str, Surface]:
+        """Return the surfaces by name, in their order in a row; empty where they are to be found."""
+        if self.effectors:
+            return {name: e.surface() for name, e in self.effectors.items() if e.throttle is None}
+        if self._stock or not self._checked:
+            return {}
+        return dict(zip(Surfaces.model_fields, self.surface_list(), strict=True))
+
+    def engines(self) -> dict[str, str]:
+        """Return the throttle command of each engine that the companion file names."""
+        return {name: e.throttle for name, e in self.effectors.items() if e.throttle is not None}
+
     def surface_list(self) -> tuple[Surface, Surface, Surface]:
         """Return aileron, elevator and rudder."""
         return self.surfaces.aileron, self.surfaces.elevator, self.surfaces.rudder
@@ -193,15 +172,19 @@ class Aircraft(Model):
         """Return the throttle command properties, for an aircraft of so many engines."""
         if self.throttle is not None:
             return self.throttle.command
+        if engines_named := self.engines():
+            return tuple(engines_named.values())
         return tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(engines))
 
     def properties(self) -> list[tuple[str, str]]:
         """Return (key, property) of every JSBSim property that the aircraft is flown by."""
         named = []
-        for name, surface in zip(Surfaces.model_fields, self.surface_list(), strict=True):
-            named.append((f"surfaces.{name}.command", surface.command))
-            if surface.position is not None and self._checked:
-                named.append((f"surfaces.{name}.position", surface.position))
+        key = "effectors" if self.effectors else "surfaces"
+        for name, surface in self.named_effectors().items():
+            named.append((f"{key}.{name}.command", surface.command))
+            if surface.position is not None:
+                named.append((f"{key}.{name}.position", surface.position))
+        named += [(f"effectors.{name}.throttle", throttle) for name, throttle in self.engines().items()]
         if self.throttle is not None:
             named += [("throttle.command", name) for name in self.throttle.command]
             named += [("throttle.position", name) for name in self.throttle.position or ()]

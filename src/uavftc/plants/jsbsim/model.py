@@ -14,14 +14,17 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from uavftc.aircraft import definition as aircraft_module
 from uavftc.aircraft.definition import Aircraft
+from uavftc.aircraft.effectors import Measured
 from uavftc.analysis import modes
 from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
@@ -62,6 +65,21 @@ class TrimmedModel(NamedTuple):
     """Change of u_dot, m/s^2, per unit of throttle."""
     nonlinearity: list[float]
     """(3,) relative difference of each surface's response about its axis between two step sizes."""
+    effectors: Sequence[Measured] = ()
+    """Surfaces, in their order in a row. The fields above named of three surfaces are those of the three gangs."""
+    mixing: Sequence[Sequence[float]] = ()
+    """(n, 3) deflection of each effector, rad, per rad of axis command."""
+    gangs: Mapping[str, Mapping[str, float]] = MappingProxyType({})
+    """Effectors of each axis and their weights; what a fault or a limit on `aileron` acts on."""
+    axes: Sequence[bool] = (True, True, True)
+    """Whether roll, pitch and yaw answer to any effector."""
+    engine_names: Sequence[str] = ()
+    """Names of the engines, in the order of the XML."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effectors."""
+        return tuple(e.name for e in self.effectors)
 
     @property
     def A_rates(self) -> np.ndarray:
@@ -175,7 +193,16 @@ def _cached(aircraft: Aircraft, checksum: str, speeds: tuple[float, ...], altitu
     if "error" in answer:
         fields = dict(answer["error"])
         raise InputError(fields.pop("where"), **fields)
-    return tuple(TrimmedModel(**model) for model in answer["models"])
+    return tuple(_read(model) for model in answer["models"])
+
+
+def _written(model: TrimmedModel) -> dict[str, Any]:
+    """Return a model as JSON takes it."""
+    return {**model._asdict(), "effectors": [e._asdict() for e in model.effectors]}
+
+
+def _read(model: dict[str, Any]) -> TrimmedModel:
+    return TrimmedModel(**{**model, "effectors": [Measured(**e) for e in model["effectors"]]})
 
 
 def _keep(file: Path, answer: dict[str, Any]) -> None:
@@ -242,7 +269,7 @@ def main(reference: str, altitude: str, *speeds: str) -> None:
         aircraft = load_aircraft(reference)
         for speed in speeds:
             try:
-                models.append(measure(aircraft, float(speed), float(altitude))._asdict())
+                models.append(_written(measure(aircraft, float(speed), float(altitude))))
             except NoTrimError as error:
                 refusal = error
     except InputError as error:
