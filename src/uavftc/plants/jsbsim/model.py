@@ -198,7 +198,7 @@ def _cached(aircraft: Aircraft, checksum: str, speeds: tuple[float, ...], altitu
 
 def _written(model: TrimmedModel) -> dict[str, Any]:
     """Return a model as JSON takes it."""
-    return {**model._asdict(), "effectors": [e._asdict() for e in model.effectors]}
+    return {**model._asdict(), "effectors": [e._asdict() for e in model.effectors], "gangs": dict(model.gangs)}
 
 
 def _read(model: dict[str, Any]) -> TrimmedModel:
