@@ -185,7 +185,7 @@ V1_STATE = np.dtype([*nndo.STATE.descr, ("v1", "f8", (3,))])
 def _with_v1(p, s, row):
     """Write d1_hat, rad/s, of an observer whose eq. (14) has the commanded rates v1 in place of x2."""
     x1, x2, x1_c = row.x1_meas, row.x2_meas, row.x1_c
-    nndo.basis(x1, x2, p.psi_0, p.centres, p.width, s.Phi)
+    nndo.basis(x1, x2, p.psi_0, p.axes, p.centres, p.width, s.Phi)
     x1_dot = attitude_rates(x1, s.v1)  # the command of the step that ends here
     for i in range(3):
         if s.started == 0.0:
@@ -220,7 +220,7 @@ def blocks_with_v1(config, given):
     """Return the observer with v1 in eq. (14), and the inversion."""
     observer = params_of(
         V1_PARAMS, h=given.h, sigma=config.sigma, gamma=config.gamma, centres=config.rbf.centres,
-        width=config.rbf.width, psi_0=given.psi_0, D=config.bandwidth,
+        width=config.rbf.width, psi_0=given.psi_0, axes=np.array(given.axes, float), D=config.bandwidth,
     )  # fmt: skip
     return [_STAGE.block(observer), *ndi.blocks(config, given)]
 

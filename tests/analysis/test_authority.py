@@ -97,9 +97,9 @@ def test_each_obstacle_names_its_surface(surface, name):
     axis = ("roll", "pitch", "yaw")[surface]
     dead = B_OWN.copy()
     dead[surface] = 0.9 * RESPONSE_MIN / np.max(np.abs(LIMITS[surface]))
-    assert obstacles(np.diag(dead), LIMITS, LINEAR, AMPLE) == [
-        f"no small-signal {name} response: 0.0009 rad/s^2 at full deflection"
-    ]
+    found = obstacles(np.diag(dead), LIMITS, LINEAR, AMPLE)
+    # without pitch nothing can be flown; without one of the others the aircraft is flown on two axes
+    assert found == ([f"no small-signal {name} response: 0.0009 rad/s^2 at full deflection"] if surface == 1 else [])
     bent = LINEAR.copy()
     bent[surface] = NONLINEAR_MAX
     assert obstacles(np.diag(B_OWN), LIMITS, bent, AMPLE) == [

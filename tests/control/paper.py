@@ -61,6 +61,7 @@ def inner_params(dtype: np.dtype, **changes: object) -> np.ndarray:
         "centres": CENTRES,
         "width": WIDTH,
         "psi_0": 0.0,
+        "axes": np.ones(3),
         "K": np.linalg.inv(B_M) @ A_M,
         "K_0": np.zeros((3, 3)),
         "filter_bandwidth": BANDWIDTH,

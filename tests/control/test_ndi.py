@@ -18,7 +18,7 @@ VECTOR = st.lists(st.floats(-2.0, 2.0), min_size=3, max_size=3).map(np.array)
 
 @pytest.fixture(scope="module")
 def law():
-    return paper.Law(ndi.stage, params_of(ndi.PARAMS, D=D))
+    return paper.Law(ndi.stage, params_of(ndi.PARAMS, D=D, axes=1.0))
 
 
 @settings(deadline=None)  # the first example compiles

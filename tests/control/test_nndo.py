@@ -33,7 +33,7 @@ def rates(x1, x1_dot, d1=0.0):
 def observed(h, x1, x2, psi_0=0.0, gamma=GAMMA):
     """d1_hat of the law and its state after every sample, on given measurements."""
     params = params_of(
-        nndo.PARAMS, h=h, sigma=SIGMA, gamma=gamma, centres=paper.CENTRES, width=paper.WIDTH, psi_0=psi_0
+        nndo.PARAMS, h=h, sigma=SIGMA, gamma=gamma, centres=paper.CENTRES, width=paper.WIDTH, psi_0=psi_0, axes=1.0
     )
     law = paper.Law(nndo.stage, params)
     d1_hat, states = np.empty((len(x1), 3)), np.empty(len(x1), nndo.STATE)
@@ -175,7 +175,7 @@ def test_starts_at_the_measurement_and_without_an_estimate():
     record = paper.as_records(rows)[0]
     record["x1_meas"], record["x2_meas"] = [0.5, -0.3, 2.0], [0.1, 0.2, 0.3]
     block = nndo.stage.block(
-        params_of(nndo.PARAMS, h=0.01, sigma=0.5, gamma=0.05, centres=paper.CENTRES, width=0.4, psi_0=2.0)
+        params_of(nndo.PARAMS, h=0.01, sigma=0.5, gamma=0.05, centres=paper.CENTRES, width=0.4, psi_0=2.0, axes=1.0)
     )
     assert Program([block]).run(rows, 0, 1) == 1
     np.testing.assert_array_equal(record["d1_hat"], 0.0)

@@ -14,7 +14,7 @@ ANGLES = st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3).map(np.array)
 
 def evaluated(x1, x2, psi_0=0.0, centres=paper.CENTRES, width=paper.WIDTH):
     Phi = np.full(NODES, np.nan)
-    basis(np.asarray(x1, float), np.asarray(x2, float), psi_0, np.asarray(centres, float), width, Phi)
+    basis(np.asarray(x1, float), np.asarray(x2, float), psi_0, np.ones(3), np.asarray(centres, float), width, Phi)
     return Phi
 
 

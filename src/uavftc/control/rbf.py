@@ -4,6 +4,7 @@
 
 The paper gives one centre value a node, the same in all six inputs: l = [-0.2, -0.1, 0, 0.1, 0.2]; width k = 0.4.
 The heading enters relative to the initial heading, or Phi would vanish on every other one (the paper starts at 0).
+Angle and rate of an axis that is not controlled are no inputs: a heading that nobody holds would make Phi vanish too.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ class Rbf(Model):
 
 
 @law
-def basis(x1, x2, psi_0, centres, width, Phi):
+def basis(x1, x2, psi_0, axes, centres, width, Phi):
     """Write the basis functions into `Phi`, shape (5,).
 
     Parameters
@@ -39,15 +40,17 @@ def basis(x1, x2, psi_0, centres, width, Phi):
         Attitude and body rates, (3,), rad and rad/s.
     psi_0
         Heading at the start, rad.
+    axes
+        1 for an axis that is controlled, 0 for another, shape (3,).
     centres, width
         l, shape (5,), and k of eq. (10), both in the units of z.
     Phi
         Output, shape (5,).
     """
     for i in range(NODES):
-        square = (x1[2] - psi_0 - centres[i]) ** 2
+        square = axes[2] * (x1[2] - psi_0 - centres[i]) ** 2
         for j in range(2):
-            square += (x1[j] - centres[i]) ** 2
+            square += axes[j] * (x1[j] - centres[i]) ** 2
         for j in range(3):
-            square += (x2[j] - centres[i]) ** 2
+            square += axes[j] * (x2[j] - centres[i]) ** 2
         Phi[i] = exp(-square / (2.0 * width * width))

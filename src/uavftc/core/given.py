@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from uavftc.core.axes import ALL, Controlled
+
 
 class ControlDesign(NamedTuple):
     """What a controller may be designed from: x2' = A x2 + B v2 about the trim, and the limits of v2."""
@@ -13,13 +15,17 @@ class ControlDesign(NamedTuple):
     A: np.ndarray
     """Rotational state matrix, shape (3, 3), 1/s, of x2 = [p, q, r]."""
     B: np.ndarray
-    """Control matrix, shape (3, 3), 1/s^2 per rad of [aileron, elevator, rudder]."""
+    """Control matrix, shape (3, 3), 1/s^2 per rad of [aileron, elevator, rudder]; a column of zeros where
+    `axes` is false."""
     limits_rad: np.ndarray
-    """Least and greatest deflection about trim, shape (3, 2), rad: saturation and stops, inf where there are none."""
+    """Least and greatest deflection about trim, shape (3, 2), rad: saturation and stops, inf where there are none; 0
+    where `axes` is false."""
     x1_trim: np.ndarray
     """Attitude of the trim [phi, theta, psi], shape (3,), rad."""
     name: str
     """Of the aircraft."""
+    axes: Controlled = ALL
+    """Whether roll, pitch and yaw are controlled; what is commanded about another axis has no effect."""
 
 
 class Given(NamedTuple):
@@ -41,6 +47,11 @@ class Given(NamedTuple):
     """Effector commands from axis commands, shape (n, 3): deflection = mixing v2."""
     design: ControlDesign
     """What the controller is designed from."""
+
+    @property
+    def axes(self) -> Controlled:
+        """Whether roll, pitch and yaw are controlled."""
+        return self.design.axes
 
     @property
     def psi_0(self) -> float:

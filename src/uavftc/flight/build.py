@@ -15,15 +15,16 @@ from uavftc import actuators, sensors
 from uavftc.actuators.saturation import limits_rad
 from uavftc.aircraft.definition import Aircraft, load_aircraft
 from uavftc.config.effect import Effect, config_of
-from uavftc.control import allocation
+from uavftc.control import allocation, uncontrolled
 from uavftc.control.custom.controller import custom_blocks
+from uavftc.core.axes import Controlled
 from uavftc.core.flow import check_flow
 from uavftc.core.given import ControlDesign, Given
 from uavftc.core.program import Program
 from uavftc.core.signals import SURFACES
 from uavftc.core.stage import Block, PythonBlock, params_of
 from uavftc.flight import envelope
-from uavftc.flight.condition import check_start, model_of
+from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
 from uavftc.flight.defaults import resolved
 from uavftc.flight.inputs import Inputs
 from uavftc.flight.timing import timing_of
@@ -59,16 +60,19 @@ def build_flight(scenario: Scenario) -> Flight:
     Raises
     ------
     InputError
-        If the aircraft does not exist, does not load, or cannot be trimmed.
+        If the aircraft does not exist, does not load, or cannot be trimmed, or has a reference about an axis that it
+        does not control.
     """
     aircraft = load_aircraft(scenario.aircraft, f"key aircraft: {scenario.aircraft}")
     model = model_of(scenario, aircraft)
+    axes = axes_of(aircraft, model)
+    refuse_uncontrolled(scenario, aircraft, axes)
     scenario = resolved(scenario, aircraft, model)
     check_start(scenario)
     timing = timing_of(scenario)
     inputs = Inputs(scenario, trim_attitude(model), SURFACES)
     plant = make_plant(scenario, aircraft, model, timing, inputs)
-    given = given_of(scenario, aircraft, model, plant, timing)
+    given = given_of(scenario, aircraft, model, plant, timing, axes)
     watch = params_of(
         envelope.PARAMS,
         bank_max=math.radians(scenario.envelope.bank_deg),
@@ -80,6 +84,7 @@ def build_flight(scenario: Scenario) -> Flight:
         *plant.before(),
         *chain_blocks(sensors.CHAIN, scenario, given),
         *controller_blocks(scenario, given),
+        *uncontrolled.blocks(given),
         envelope.stage.block(watch),
     ]
     allocate, gather = allocation.blocks(given)
@@ -105,7 +110,14 @@ def controller_blocks(scenario: Scenario, given: Given) -> list[Block | PythonBl
     return [block for law, loop in loops for block in law.blocks(loop, given)]
 
 
-def given_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant, timing: Timing) -> Given:
+def given_of(
+    scenario: Scenario,
+    aircraft: Aircraft,
+    model: TrimmedModel | None,
+    plant: Plant,
+    timing: Timing,
+    axes: Controlled,
+) -> Given:
     """Return the flight as its blocks see it."""
     return Given(
         h=timing.h,
@@ -115,7 +127,7 @@ def given_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None,
         effectors=SURFACES,
         stops_rad=plant.u_limits,
         mixing=np.eye(3),
-        design=control_design(scenario, aircraft, model, plant),
+        design=control_design(scenario, aircraft, model, plant, axes),
     )
 
 
@@ -167,13 +179,17 @@ def rotational_model(aircraft: Aircraft, model: TrimmedModel | None) -> tuple[np
     return inertia, np.array(model.A_at_once), model.B_rates
 
 
-def control_design(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant) -> ControlDesign:
+def control_design(
+    scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant, axes: Controlled
+) -> ControlDesign:
     """Return what a controller may be designed from: the pair measured at the trim, or the aircraft's."""
     if model is not None:
-        A, B = np.array(model.A_at_once), model.B_rates
+        A, B = np.array(model.A_at_once), np.array(model.B_rates)
     else:
         assert aircraft.analytic is not None  # or there would be a trimmed model
         A, B = np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)
     commanded, stops = limits_rad(scenario.saturation), plant.u_limits
     limits = np.column_stack([np.maximum(commanded[:, 0], stops[:, 0]), np.minimum(commanded[:, 1], stops[:, 1])])
-    return ControlDesign(A, B, limits, np.array(plant.x1_trim), aircraft.name)
+    for j in np.flatnonzero(np.logical_not(axes)):
+        B[:, j], limits[j] = 0.0, 0.0
+    return ControlDesign(A, B, limits, np.array(plant.x1_trim), aircraft.name, axes)

@@ -8,8 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
-from uavftc.analysis.authority import Authority, authority, obstacles
+from uavftc.analysis.authority import Authority, authority, can_be_held, controlled_axes, obstacles
 from uavftc.control.inner.predictor import A_M
+from uavftc.core.axes import Controlled, left_to_the_airframe
+from uavftc.core.signals import AXES, SURFACES
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.model import ALTITUDE_M, TrimmedModel, trimmed_model, trimmed_models
 from uavftc.scenario.controllers import CustomController
@@ -63,6 +65,7 @@ def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
         A_m=np.array(A_m),
         bandwidth=np.array(bandwidth),
         step=largest_step(scenario),
+        axes=axes_of_model(model),
     )
 
 
@@ -90,7 +93,7 @@ def best_model(scenario: Scenario, models: Sequence[TrimmedModel]) -> TrimmedMod
     """Return the model at the lowest airspeed with ample authority, or else with the most, flyable or not."""
     ratios = []
     for model in models:
-        ratios.append(-1.0 if obstacles_of(model) else float(np.min(authority_of(scenario, model).ratio)))
+        ratios.append(-1.0 if obstacles_of(model) else float(np.nanmin(authority_of(scenario, model).ratio)))
     ample = [i for i, ratio in enumerate(ratios) if ratio >= AMPLE]
     return models[ample[0] if ample else int(np.argmax(ratios))]
 
@@ -111,13 +114,14 @@ def reasons_against_any(model: TrimmedModel) -> list[str]:
     """Return why an aircraft with a rotational model in its companion file cannot be flown; empty if it can.
 
     No scenario is refused for its reference or its bandwidth: such an aircraft is flown to its limits on purpose. But
-    it must be controlled about each axis, which is checked with a step of `STEP_RAD` at the paper's bandwidth.
+    what it controls it must control, which is checked with a step of `STEP_RAD` at the paper's bandwidth.
     """
     if found := obstacles_of(model):
         return found
     limits, nonlinearity, step = np.array(model.limits_rad), np.array(model.nonlinearity), np.full(3, STEP_RAD)
     A, B = np.array(model.A), np.array(model.B)
-    counted = authority(A, B, limits, A_m=np.array(A_M), bandwidth=np.array(BANDWIDTH), step=step)
+    demand = {"A_m": np.array(A_M), "bandwidth": np.array(BANDWIDTH), "step": step}
+    counted = authority(A, B, limits, **demand, axes=axes_of_model(model))
     return [
         line.replace("for the reference", "for a small step")
         for line in obstacles(model.B_rates, limits, nonlinearity, counted.ratio)
@@ -130,7 +134,8 @@ def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
     Raises
     ------
     InputError
-        If a surface does not respond, B is ill-conditioned, or an axis has too little authority for the reference.
+        If the axes that respond cannot hold an attitude, B is ill-conditioned, or an axis has too little authority for
+        the reference.
     """
     if aircraft.analytic is None:
         found, step, smaller = reasons_against(scenario, model), "the reference", ", a smaller reference"
@@ -141,10 +146,59 @@ def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
         raise InputError(
             f"aircraft {aircraft.name}, at {airspeed:g} m/s and {model.trim['altitude']:g} m",
             found="; ".join(found),
-            expected="three surfaces that respond, each mostly on its own axis, with authority for " + step,
+            expected="surfaces that respond, about pitch and about roll or yaw, each mostly on its own axis, with "
+            f"authority for {step}",
             remedy=f"choose another initial.airspeed_mps{smaller}, or correct or choose another aircraft "
             f"(uavftc design {aircraft.reference} shows the numbers)",
         )
+
+
+def axes_of_model(model: TrimmedModel) -> Controlled:
+    """Return which axes of a trimmed aircraft are controlled."""
+    roll, pitch, yaw = model.axes
+    return roll, pitch, yaw
+
+
+def axes_of(aircraft: Aircraft, model: TrimmedModel | None) -> Controlled:
+    """Return which axes are controlled: those of the trimmed model, or of the companion file's rotational model.
+
+    Raises
+    ------
+    InputError
+        If those of the companion file cannot hold an attitude; a trimmed model was judged where it was chosen.
+    """
+    if model is not None:
+        return axes_of_model(model)
+    assert aircraft.analytic is not None  # or there would be a trimmed model
+    stops = np.array([s.stop_rad or np.inf for s in aircraft.surface_list()])
+    axes = controlled_axes(np.array(aircraft.analytic.B_m), np.column_stack([-stops, stops]))
+    if not can_be_held(axes):
+        raise InputError(
+            f"{aircraft.companion}, key analytic.B_m",
+            found=f"{np.array(aircraft.analytic.B_m).tolist()}: {'; '.join(left_to_the_airframe(axes))}",
+            expected="surfaces that act about pitch and about roll or yaw",
+            remedy="correct the entries on its diagonal, 1/s^2 per rad",
+        )
+    return axes
+
+
+def refuse_uncontrolled(scenario: Scenario, aircraft: Aircraft, axes: Controlled) -> None:
+    """Refuse a reference about an axis that nothing acts on.
+
+    Raises
+    ------
+    InputError
+        If such a reference is not zero at some sample.
+    """
+    for j, step in enumerate(largest_step(scenario)):
+        if step and not axes[j]:
+            key = list(type(scenario.reference).model_fields)[j]
+            raise InputError(
+                f"key reference.{key}",
+                found=getattr(scenario.reference, key).text,
+                expected=f"0, because {aircraft.name} has no {SURFACES[j]} (no effector acts about {AXES[j]})",
+                remedy=f"leave it out (--set reference.{key}=0)",
+            )
 
 
 def check_start(scenario: Scenario) -> None:

@@ -57,7 +57,7 @@ def step(p, s, row):
         advance(p, s, x2)
     else:
         start(s, x2)
-    basis(row.x1_meas, x2, p.psi_0, p.centres, p.width, s.Phi)
+    basis(row.x1_meas, x2, p.psi_0, p.axes, p.centres, p.width, s.Phi)
     f = (lumped(s, 0), lumped(s, 1), lumped(s, 2))
     K_r = multiply(p.K, row.v1)
     feedback = multiply_transposed(p.K_0, x2)

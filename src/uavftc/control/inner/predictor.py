@@ -29,6 +29,11 @@ with the limits from `Given.design.limits_rad`: the saturation and the stops, wh
 such term (it leaves saturation to the adaptation), so `none`, as printed, is the default. Faults are not known to the
 law: it counts with the limits of the healthy surface.
 
+Fewer axes. Where an axis is not controlled (`Given.axes`), the law is that of the others: A_m, B_m, K_1, Q and K_0 are
+cut down to their rows and columns, P and K follow from what is left, and all of it is put back into 3x3 with zeros for
+the missing axis. So x2_tilde of that axis drives nothing, its estimates stay where they start, and its command is zero.
+What the third rate does to the two is for the adaptation (docs/theory.md, "Fewer axes").
+
 The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.py`): their records hold the fields of
 `PREDICTOR_PARAMS` and `PREDICTOR_STATE`.
 """
@@ -43,8 +48,9 @@ from pydantic_core import PydanticCustomError
 
 from uavftc.config.values import Matrix3, Model, Number, Positive, list_of, refusal
 from uavftc.control.gains import lyapunov_P, reference_gain
-from uavftc.control.inner.matrices import hurwitz, invertible, is_hurwitz, positive_definite
+from uavftc.control.inner.matrices import hurwitz, invertible, is_hurwitz, positive_definite, refuse_reduced
 from uavftc.control.rbf import NODES, Rbf
+from uavftc.core.axes import embedded, masked, reduced
 from uavftc.core.given import Given
 from uavftc.core.linear3 import multiply, multiply_transposed, solve
 from uavftc.core.stage import law
@@ -64,6 +70,7 @@ PREDICTOR_PARAMS = [
     ("centres", "f8", (NODES,)),
     ("width", "f8"),
     ("psi_0", "f8"),  # heading at the start, rad
+    ("axes", "f8", (3,)),  # 1 where the axis is controlled
     ("v_min", "f8", (3,)),  # limits of v2 inside the law, rad; infinite where it is left as printed
     ("v_max", "f8", (3,)),
 ]
@@ -145,16 +152,26 @@ class PredictorConfig(Model):
 
 
 def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
-    """Return the values of `PREDICTOR_PARAMS`, K and K_0; the gains are computed from the design matrices here."""
-    A_m, B_m = np.array(config.A_m), np.array(config.B_m)
-    A_s = A_m + np.array(config.K_1)
+    """Return the values of `PREDICTOR_PARAMS`, K and K_0; the gains are computed from the design matrices here.
+
+    Raises
+    ------
+    InputError
+        If the part of B_m or of A_m + K_1 that belongs to the controlled axes cannot be used.
+    """
+    axes = given.axes
+    A_m, B_m = reduced(np.array(config.A_m), axes), reduced(np.array(config.B_m), axes)
+    A_s = reduced(np.array(config.A_m) + np.array(config.K_1), axes)
+    refuse_reduced(A_s, B_m, axes)
+    P_B_m = lyapunov_P(A_s, reduced(np.array(config.Q), axes)) @ B_m
+    K = reference_gain(A_m if config.reference_gain == "plant" else A_s, B_m)
     limits = given.design.limits_rad if config.anti_windup == "limited" else UNLIMITED
     return {
         "h": given.h,
-        "A_m": A_m,
-        "B_m": B_m,
-        "A_s": A_s,
-        "P_B_m": lyapunov_P(A_s, np.array(config.Q)) @ B_m,
+        "A_m": embedded(A_m, axes),
+        "B_m": embedded(B_m, axes),
+        "A_s": embedded(A_s, axes),
+        "P_B_m": embedded(P_B_m, axes),
         "Gamma": config.adaptation_gain,
         "explicit": float(config.integration == "explicit"),
         "omega_min": config.effectiveness_bounds[0],
@@ -164,10 +181,11 @@ def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
         "centres": config.rbf.centres,
         "width": config.rbf.width,
         "psi_0": given.psi_0,
+        "axes": np.array(axes, float),
         "v_min": limits[:, 0],
         "v_max": limits[:, 1],
-        "K": reference_gain(A_m if config.reference_gain == "plant" else A_s, B_m),
-        "K_0": config.K_0,
+        "K": embedded(K, axes),
+        "K_0": masked(np.array(config.K_0), axes),
     }
 
 

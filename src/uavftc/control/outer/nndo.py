@@ -12,6 +12,8 @@ h sqrt(gamma) |Phi| < 2, which holds by a factor of 100 at 50 Hz with the paper'
 
 Where the kinematics are exact (d1 = 0, no sensor error) e and with it d1_hat stay at zero: the observer is idle in
 the paper's scenarios. It acts on what makes x1' differ from g1 x2, such as the bias of a rate gyro.
+
+On an axis that is not controlled e is not fed: the weights and d1_hat stay at zero there.
 """
 
 from __future__ import annotations
@@ -36,6 +38,7 @@ PARAMS = np.dtype(
         ("centres", "f8", (NODES,)),
         ("width", "f8"),
         ("psi_0", "f8"),  # heading at the start, rad
+        ("axes", "f8", (3,)),  # 1 where the axis is controlled
     ]
 )
 STATE = np.dtype(
@@ -70,7 +73,7 @@ def step(p, s, row):
     """Write d1_hat, rad/s, into the row."""
     x1, x2 = row.x1_meas, row.x2_meas
     x1_dot = attitude_rates(x1, x2)
-    basis(x1, x2, p.psi_0, p.centres, p.width, s.Phi)
+    basis(x1, x2, p.psi_0, p.axes, p.centres, p.width, s.Phi)
     for i in range(3):
         if s.started == 0.0:
             s.zeta[i] = x1[i]
@@ -82,7 +85,7 @@ def step(p, s, row):
         e = x1[i] - s.zeta[i]
         d1_hat = 0.0
         for n in range(NODES):
-            s.W_hat[n, i] += p.h * p.gamma * s.Phi[n] * e
+            s.W_hat[n, i] += p.h * p.gamma * s.Phi[n] * e * p.axes[i]
             d1_hat += s.W_hat[n, i] * s.Phi[n]
         s.x1[i] = x1[i]
         s.x1_dot[i] = x1_dot[i]
@@ -104,5 +107,6 @@ def blocks(config: Config, given: Given) -> list[Block]:
         centres=config.rbf.centres,
         width=config.rbf.width,
         psi_0=given.psi_0,
+        axes=np.array(given.axes, float),
     )
     return [stage.block(observer), *ndi.blocks(config, given)]

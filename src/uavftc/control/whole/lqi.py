@@ -9,6 +9,9 @@ that K belongs to the rate at which it flies. Q and R follow Bryson's rule, one 
 R from half the range of each surface, Q from the options `attitude_deg`, 5 deg, `rate_degps`, 10 deg/s, and
 `integral_degs`, 5 deg s. The integral stands still while a command is beyond its limit (anti-windup).
 
+Fewer axes: x holds angles, rates and integrals of the controlled ones; K has zeros for the others (docs/theory.md,
+"Fewer axes").
+
 Compiled, as an example of PARAMS, STATE, `stage` and `params(design, h, options)`.
 """
 
@@ -22,6 +25,7 @@ import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
 from uavftc.control.custom.controller import positive_options
+from uavftc.core.axes import indices
 from uavftc.core.given import ControlDesign
 from uavftc.core.kinematics import wrapped
 from uavftc.core.stage import Stage, law, params_of
@@ -42,17 +46,19 @@ STATE = np.dtype([("xi", "f8", (3,)), ("x", "f8", (9,))])  # integral of the att
 def params(design: ControlDesign, h: float, options: Mapping[str, Any]) -> np.ndarray:
     """Return the parameters for a sample time h, s: the gain K and the limits."""
     chosen = positive_options(options, attitude_deg=5.0, rate_degps=10.0, integral_degs=5.0)
-    tolerable = np.radians(np.repeat(list(chosen.values()), 3))
-    reach = np.minimum(np.diff(design.limits_rad, axis=1)[:, 0] / 2.0, UNLIMITED)
+    own = indices(design.axes)
+    tolerable = np.radians(np.repeat(list(chosen.values()), len(own)))
+    reach = np.minimum(np.diff(design.limits_rad[own], axis=1)[:, 0] / 2.0, UNLIMITED)
     Phi, Gamma = sampled(design, h)
     Q, R = np.diag(tolerable**-2.0), np.diag(reach**-2.0)
     S = solve_discrete_are(Phi, Gamma, Q, R)
-    K = np.linalg.solve(R + Gamma.T @ S @ Gamma, Gamma.T @ S @ Phi)
+    K = np.zeros((3, 9))
+    K[np.ix_(own, states(own))] = np.linalg.solve(R + Gamma.T @ S @ Gamma, Gamma.T @ S @ Phi)
     return params_of(PARAMS, h=h, K=K, v_min=design.limits_rad[:, 0], v_max=design.limits_rad[:, 1])
 
 
 def sampled(design: ControlDesign, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return Phi, shape (9, 9), and Gamma, shape (9, 3), of x[k+1] = Phi x[k] + Gamma v2[k]."""
+    """Return Phi, shape (3n, 3n), and Gamma, shape (3n, n), of x[k+1] = Phi x[k] + Gamma v2[k], n controlled axes."""
     FG = np.zeros((12, 12))
     phi, theta = design.x1_trim[:2]
     FG[0:3, 3:6] = [  # g1
@@ -63,8 +69,15 @@ def sampled(design: ControlDesign, h: float) -> tuple[np.ndarray, np.ndarray]:
     FG[3:6, 3:6] = design.A
     FG[6:9, 0:3] = np.eye(3)
     FG[3:6, 9:12] = design.B
-    both = expm(h * FG)
-    return both[:9, :9], both[:9, 9:]
+    own = indices(design.axes)
+    n, kept = 3 * len(own), [*states(own), *(9 + own)]
+    both = expm(h * FG[np.ix_(kept, kept)])
+    return both[:n, :n], both[:n, n:]
+
+
+def states(own: np.ndarray) -> np.ndarray:
+    """Return where angles, rates and integrals of some axes are in x."""
+    return np.concatenate([own, 3 + own, 6 + own])
 
 
 @law

@@ -10,6 +10,9 @@ The gains follow from the linear pair x2' = A x2 + B v2. B^-1 decouples the axes
 the place of the aircraft's damping, and what is left on each axis, e' = -2 omega_r e - z, has both poles at -omega_r.
 While a surface is at its limit, the last term of z' draws the integral back at the rate omega_r.
 
+Fewer axes: B^-1 is that of the controlled ones (docs/theory.md, "Fewer axes"); without a rudder q and p are commanded
+given the measured r, without ailerons q and r alone, and v1 of the missing axis is the measured rate.
+
 Options, rad/s: `attitude_bandwidth` omega_a, 0.5, the bandwidth of the paper's outer loop; `rate_bandwidth` omega_r, 3,
 six times faster, so that the two loops do not meet.
 
@@ -25,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from uavftc.control.custom.controller import positive_options
+from uavftc.core.axes import embedded, masked, reduced
 from uavftc.core.given import ControlDesign
 
 Step = Callable[[float, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, dict[str, np.ndarray]]]
@@ -34,7 +38,9 @@ def create(design: ControlDesign, h: float, options: Mapping[str, Any]) -> Step:
     """Return the controller for a sample time h, s."""
     chosen = positive_options(options, attitude_bandwidth=0.5, rate_bandwidth=3.0)
     omega_a, omega_r = chosen["attitude_bandwidth"], chosen["rate_bandwidth"]
-    A, B, B_inverse = design.A, design.B, np.linalg.inv(design.B)
+    A, axes = design.A, design.axes
+    B_inverse = embedded(np.linalg.inv(reduced(design.B, axes)), axes)
+    B = design.B if all(axes) else masked(design.B, axes)
     v_min, v_max = design.limits_rad.T
     z = np.zeros(3)  # rad/s^2
 
@@ -43,7 +49,12 @@ def create(design: ControlDesign, h: float, options: Mapping[str, Any]) -> Step:
         nonlocal z
         error = x1_c - x1
         error[2] = remainder(error[2], tau)  # the short way round
-        v1 = rates_from_euler(x1) @ (omega_a * error)
+        x1_dot = omega_a * error
+        if not axes[2]:  # the heading is the airframe's
+            x1_dot[2] = (x2[2] + x1_dot[1] * sin(x1[0])) / (cos(x1[0]) * cos(x1[1]))
+        v1 = rates_from_euler(x1) @ x1_dot
+        if not all(axes):
+            v1 = np.where(axes, v1, x2)
         e = v1 - x2
         v = B_inverse @ (2.0 * omega_r * e + z - A @ x2)
         v2 = np.minimum(np.maximum(v, v_min), v_max)

@@ -46,7 +46,7 @@ LOOP = np.dtype(
         ("eps_max", "f8"),  # rad
         # memory of the laws, written anew in each call
         ("nothing", ndi.STATE),
-        ("signals", [(name, "f8", (3,)) for name in ("x1_c", "x1_meas", "d1_hat", "v1")]),
+        ("signals", [(name, "f8", (3,)) for name in ("x1_c", "x1_meas", "x2_meas", "d1_hat", "v1")]),
         ("state", l1.STATE),
         ("Phi", "f8", (NODES,)),  # of the observer
     ]
@@ -137,13 +137,13 @@ def right_hand_side(t: float, y: np.ndarray, loop: np.ndarray) -> np.ndarray:
     W, W_observer = weights[:15].reshape(NODES, 3), weights[15:].reshape(NODES, 3)
 
     for i in range(3):
-        signals.x1_meas[i] = x1[i]
+        signals.x1_meas[i], signals.x2_meas[i] = x1[i], x2[i]
         s.x2[i], s.x2_hat[i], s.x2_tilde[i] = x2[i], x2_hat[i], x2_hat[i] - x2[i]
         s.omega_hat[i], s.eps_hat[i], s.v_ad[i] = y[9 + i], y[12 + i], y[15 + i]
         for n in range(NODES):
             s.W_hat[n, i] = W[n, i]
-    basis(x1, x2, q.observer.psi_0, q.observer.centres, q.observer.width, Phi)
-    basis(x1, x2, inner.psi_0, inner.centres, inner.width, s.Phi)
+    basis(x1, x2, q.observer.psi_0, q.observer.axes, q.observer.centres, q.observer.width, Phi)
+    basis(x1, x2, inner.psi_0, inner.axes, inner.centres, inner.width, s.Phi)
 
     x1_dot = attitude_rates(x1, x2)
     _observer(q.observer, x1, x1_dot, zeta, W_observer, Phi, signals.d1_hat, out[18:21], out[36:51].reshape(NODES, 3))

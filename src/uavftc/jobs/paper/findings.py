@@ -242,7 +242,7 @@ def adaptation_krad_s(flown: Flown) -> tuple[float, float]:
     B_m = np.array(inner.B_m or aircraft.analytic.B_m)
     P = lyapunov_P(np.array(inner.A_m) + np.array(inner.K_1), np.array(inner.Q))
     Phi = np.empty(NODES)
-    basis(np.zeros(3), np.zeros(3), 0.0, np.array(inner.rbf.centres), inner.rbf.width, Phi)
+    basis(np.zeros(3), np.zeros(3), 0.0, np.ones(3), np.array(inner.rbf.centres), inner.rbf.width, Phi)
     squares = np.linalg.eigvals(inner.adaptation_gain * (1.0 + Phi @ Phi) * B_m @ B_m.T @ P).real
     return 1e-3 * float(np.sqrt(squares.min())), 1e-3 * float(np.sqrt(squares.max()))
 

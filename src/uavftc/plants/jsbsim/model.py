@@ -25,7 +25,7 @@ import numpy as np
 from uavftc.aircraft import definition as aircraft_module
 from uavftc.aircraft.definition import Aircraft
 from uavftc.aircraft.effectors import Measured
-from uavftc.analysis import modes
+from uavftc.analysis import authority, modes
 from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import strict
@@ -136,6 +136,8 @@ def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedMode
         reach = 1.0 if surface.stop_rad is None else surface.stop_rad / abs(scale[j])
         at = trim.surfaces[j] + trim.trim_commands[j]
         limits.append(sorted(((-reach - at) * scale[j], (reach - at) * scale[j])))
+    B = linear.B_command / scale
+    axes = authority.controlled_axes(B[3:], np.array(limits))
     return TrimmedModel(
         trim=trim._asdict(),
         mass_kg=fdm["inertia/mass-slugs"] * SLUG_KG,
@@ -146,9 +148,10 @@ def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedMode
         limits_rad=[list(map(float, pair)) for pair in limits],
         A=linear.A.tolist(),
         A_at_once=linear.A_at_once.tolist(),
-        B=(linear.B_command / scale).tolist(),
+        B=np.where(axes, B, 0.0).tolist(),
         throttle_mps2=linear.throttle_mps2,
         nonlinearity=linear.nonlinearity.tolist(),
+        axes=list(axes),
     )
 
 
@@ -220,6 +223,7 @@ def cache_dir() -> Path:
     here = Path(__file__).parent
     for source in (
         Path(aircraft_module.__file__),
+        Path(authority.__file__),
         Path(modes.__file__),
         *sorted(here.rglob("*.py")),
         *sorted(here.glob("*.xml")),
