@@ -10,19 +10,22 @@ condition: a surface's effect grows with the square of the airspeed, the gains d
 0.14 rad in scenario 3 at 30 m/s travels 37 rad at 45 m/s (`--set initial.airspeed_mps=45`). It is that of exact sensors
 too: with noise on the gyro every controller travels more (tools/noise_activity.py).
 
+An axis that the aircraft does not control has no metric: every one of them is None there.
+
 Summary, terminal, comparison and CSV list what `METRICS` holds, in its order: a new metric is one more entry.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from uavftc.core.axes import ALL, Controlled
 from uavftc.core.signals import AXES, attitude_error
 
 CONVERGENCE_BAND_DEG = 0.02  # section 4: "tracking errors [...] kept within 0.02"
@@ -183,10 +186,17 @@ METRICS: tuple[Metric, ...] = (
 
 
 class Metrics:
-    """Every metric of a flight, from chunks of its rows in order; memory does not grow with the flight."""
+    """Every metric of a flight, from chunks of its rows in order; memory does not grow with the flight.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    controlled
+        Whether roll, pitch and yaw are controlled; another axis has no metric.
+    """
+
+    def __init__(self, controlled: Controlled = ALL) -> None:
         self._rows = 0
+        self._controlled = controlled
         self._last: np.ndarray | None = None
         self._measures = [(metric, metric.measure()) for metric in METRICS]
 
@@ -212,14 +222,25 @@ class Metrics:
         result: dict[str, dict[str, float | None]] = {axis: {} for axis in AXES}
         for metric, measure in self._measures:
             applies = completed if metric.at_end else flown
-            for axis, value in zip(AXES, measure.values(), strict=True):
-                known = applies and value is not None and math.isfinite(value)
+            for axis, value, own in zip(AXES, measure.values(), self._controlled, strict=True):
+                known = applies and own and value is not None and math.isfinite(value)
                 result[axis][metric.name] = value if known else None
         return result
 
 
-def metrics_of(records: np.ndarray, *, completed: bool = True) -> dict[str, dict[str, float | None]]:
-    """Return the metrics of a whole flight held in memory, shape (n,), dtype `signals.ROW`; see `Metrics.axes`."""
-    metrics = Metrics()
+def metrics_of(
+    records: np.ndarray, *, completed: bool = True, controlled: Controlled = ALL
+) -> dict[str, dict[str, float | None]]:
+    """Return the metrics of a whole flight held in memory, shape (n,), dtype `signals.ROW`; see `Metrics`."""
+    metrics = Metrics(controlled)
     metrics.take(records)
     return metrics.axes(completed=completed)
+
+
+def controlled_of(axes: Mapping[str, Mapping[str, float | None]]) -> Controlled:
+    """Return which axes were controlled in a flight, from its metrics as in `summary.json`.
+
+    An axis that has none, while another has, was not. Where no axis has any, nothing was flown and all count.
+    """
+    roll, pitch, yaw = (any(value is not None for value in axes[axis].values()) for axis in AXES)
+    return (roll, pitch, yaw) if roll or pitch or yaw else ALL

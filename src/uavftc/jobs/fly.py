@@ -63,7 +63,7 @@ def fly_mission(
     folder.check()
     flight = build_flight(scenario)
     origin = origin_of(flight)
-    metadata, metrics = metadata_of(flight.scenario, origin), Metrics()
+    metadata, metrics = metadata_of(flight.scenario, origin), Metrics(flight.given.axes)
     trusted = TrustedRange(flight.aircraft.trusted)
     with Hold(signal.SIGINT) as hold:
         with folder:

@@ -60,6 +60,13 @@ def tracking(history: History, context: FigureContext) -> Figure:
     for i, angle in enumerate(ANGLES):
         left, right = axes[i]
         actual, reference = deg(history, f"{angle}_rad"), deg(history, f"{angle}_ref_rad")
+        if not context.controlled[i]:
+            actual = np.unwrap(actual, period=360.0)
+            panels.fit_y(left, [panels.curve(left, t, actual, color=BLUE, label="attitude")], least=0.5)
+            name_panel(left, 2 * i, f"{AXES[i]} angle, not controlled", rf"$\{angle}$ [deg]")
+            name_panel(right, 2 * i + 1, f"{AXES[i]} error", "")
+            panels.absent(right, "not controlled")
+            continue
         drawn = [
             panels.curve(left, t, actual, color=BLUE, label="attitude"),
             panels.curve(left, t, reference, label="reference", **REFERENCE),
@@ -88,12 +95,16 @@ def control(history: History, context: FigureContext) -> Figure:
     panels.fit_t(axes[0, 0], t)
     for i, (rate, surface) in enumerate(zip(RATES, SURFACES, strict=True)):
         left, right = axes[i]
-        drawn = [
-            panels.curve(left, t, deg(history, f"{rate}_radps"), color=BLUE, label="actual"),
-            panels.curve(left, t, deg(history, f"{rate}_ref_radps"), label="outer-loop command $v_1$", **REFERENCE),
-        ]
+        drawn = [panels.curve(left, t, deg(history, f"{rate}_radps"), color=BLUE, label="actual")]
+        if context.controlled[i]:
+            command = deg(history, f"{rate}_ref_radps")
+            drawn.append(panels.curve(left, t, command, label="outer-loop command $v_1$", **REFERENCE))
         panels.fit_y(left, drawn, least=0.2)
         name_panel(left, 2 * i, f"{AXES[i]} rate", f"${rate}$ [deg/s]")
+        if not context.controlled[i]:
+            name_panel(right, 2 * i + 1, surface, "")
+            panels.absent(right, f"no {surface}")
+            continue
 
         drawn = [
             panels.curve(
@@ -128,6 +139,10 @@ def estimates(history: History, context: FigureContext) -> Figure:
             for time in context.disturbances_s:
                 ax.axvline(time, color="#888888", linewidth=0.9, linestyle=":", zorder=1, label="disturbance changes")
 
+        if not context.controlled[i]:
+            name_panel(actuator, 3 * i + 2, surface, "")
+            panels.absent(actuator, f"no {surface}")
+            continue
         effect = panels.curve(
             actuator, t, column(history, f"effectiveness_{surface}"), color=GREEN, label="true effectiveness"
         )

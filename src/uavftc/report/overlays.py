@@ -81,14 +81,25 @@ def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure
     for i, angle in enumerate(ANGLES):
         left, right = axes[i]
         drawn = []
-        right.set_yscale("log")
+        if context.controlled[i]:
+            right.set_yscale("log")
         greatest = 1.0
         for key, history in histories.items():
             t, actual = history["time_s"], deg(history, f"{angle}_rad")
+            if not context.controlled[i]:
+                actual = np.unwrap(actual, period=360.0)
             drawn.append(panels.curve(left, t, actual - _first(actual), **look[key]))
+            if not context.controlled[i]:
+                continue
             error = np.abs(deg(history, f"{angle}_ref_rad") - actual)
             panels.curve(right, t, np.maximum(error, 1e-6), **look[key])
             greatest = max(greatest, float(np.max(error, initial=0.0, where=np.isfinite(error))))
+        if not context.controlled[i]:
+            panels.fit_y(left, drawn, least=0.5)
+            name_panel(left, 2 * i, f"{AXES[i]} angle, from trim, not controlled", rf"$\{angle}$ [deg]")
+            name_panel(right, 2 * i + 1, f"{AXES[i]} error", "")
+            panels.absent(right, "not controlled")
+            continue
         reference = deg(longest, f"{angle}_ref_rad") - _first(deg(longest, f"{angle}_rad"))
         drawn.append(panels.curve(left, longest["time_s"], reference, label="reference", **REFERENCE))
         panels.fit_y(left, drawn, least=0.5)
@@ -106,6 +117,10 @@ def commands(histories: Mapping[Key, History], context: FigureContext) -> Figure
     fig, axes, look = _figure(histories, context, 1)
     for i, surface in enumerate(SURFACES):
         ax = axes[i, 0]
+        if not context.controlled[i]:
+            name_panel(ax, i, f"{surface}, commanded", "")
+            panels.absent(ax, f"no {surface}")
+            continue
         drawn = [
             chatter(ax, history["time_s"], deg(history, f"{surface}_cmd_rad"), **look[key])
             for key, history in histories.items()

@@ -220,6 +220,13 @@ def note(ax: Axes, text: str) -> None:
     ax.text(0.5, 0.5, text, transform=ax.transAxes, **look)
 
 
+def absent(ax: Axes, text: str) -> None:
+    """Write into a panel why there is nothing in it, and take its scale away."""
+    note(ax, text)
+    ax.set_yticks([])
+    ax.grid(False)
+
+
 def _wrapped(label: str, room: int) -> str:
     parts = label.split("\n")
     lines = [line for part in parts for line in textwrap.wrap(part, room, break_long_words=False)]

@@ -68,9 +68,9 @@ def _metric_table(flights: Sequence[dict[str, Any]]) -> Table:
         heading = Text(f"{flight['plant']}\n{flight['controller']}").append_text(lost)
         table.add_column(heading, justify="right", min_width=_LEAST, overflow="fold")
     for axis in AXES:
-        table.add_row(Text(axis, style="bold"))
+        table.add_row(Text(_named(axis, flights), style="bold"))
         for metric in metrics.METRICS:
-            cells = (cell(metric, flight["axes"][axis][metric.name], flight["completed"]) for flight in flights)
+            cells = (_cell(metric, flight, axis) for flight in flights)
             table.add_row(Text(metric.title), *cells)
     return table
 
@@ -117,7 +117,7 @@ def markdown(document: dict[str, Any]) -> str:
         rows = []
         for axis in AXES:
             rows += [
-                [f"{axis}: {metric.title}", *(_written(metric, flight, axis) for flight in block)]
+                [f"{_named(axis, block)}: {metric.title}", *(_written(metric, flight, axis) for flight in block)]
                 for metric in metrics.METRICS
             ]
         lines += [*_markdown_table(header, rows), ""]
@@ -181,7 +181,20 @@ def _plain(value: float | None) -> str:
 
 
 def _written(metric: Metric, flight: dict[str, Any], axis: str) -> str:
-    return cell(metric, flight["axes"][axis][metric.name], flight["completed"]).plain.replace("\n", " ")
+    return _cell(metric, flight, axis).plain.replace("\n", " ")
+
+
+def _cell(metric: Metric, flight: dict[str, Any], axis: str) -> Text:
+    return cell(metric, flight["axes"][axis][metric.name], flight["completed"] and _controlled(flight, axis))
+
+
+def _controlled(flight: dict[str, Any], axis: str) -> bool:
+    return metrics.controlled_of(flight["axes"])[AXES.index(axis)]
+
+
+def _named(axis: str, flights: Sequence[dict[str, Any]]) -> str:
+    """Return an axis' heading, which says where none of the flights controls it."""
+    return axis if any(_controlled(flight, axis) for flight in flights) else f"{axis}, not controlled"
 
 
 def _markdown_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -22,10 +22,14 @@ def metric_table(summary: dict[str, Any]) -> Table:
         title=Text(title_of(summary), style="bold"), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False
     )
     table.add_column("")
-    for axis in AXES:
-        table.add_column(axis, justify="right", min_width=11)
+    controlled = metrics.controlled_of(summary["axes"])
+    for axis, own in zip(AXES, controlled, strict=True):
+        table.add_column(axis if own else f"{axis}\nnot controlled", justify="right", min_width=11)
     for metric in metrics.METRICS:
-        cells = (cell(metric, summary["axes"][axis][metric.name], summary["completed"]) for axis in AXES)
+        cells = (
+            cell(metric, summary["axes"][axis][metric.name], summary["completed"] and own)
+            for axis, own in zip(AXES, controlled, strict=True)
+        )
         table.add_row(Text(metric.title), *cells)  # as Text: "[deg]" would be taken for markup
     return table
 
@@ -64,10 +68,13 @@ def outcome_line(summary: dict[str, Any]) -> Text:
     return Text.assemble(("lost", "bold red"), f": {because}", pace)
 
 
-def cell(metric: Metric, value: float | None, completed: bool) -> Text:
-    """Return a metric as shown, coloured by how good it is; None is a dash, or what the metric has for it."""
+def cell(metric: Metric, value: float | None, applies: bool) -> Text:
+    """Return a metric as shown, coloured by how good it is; None is a dash, or what the metric has for it.
+
+    `applies`: whether the flight reached its end and the axis is controlled.
+    """
     if value is None:
-        missing = metric.missing if completed else "-"
+        missing = metric.missing if applies else "-"
         return Text(missing, style="dim" if missing == "-" else "yellow")
     return Text(number(value, metric.digits), style=_style(metric, value))
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from uavftc.core.axes import ALL, Controlled
+
 
 class FaultWindow(NamedTuple):
     """A fault on one surface from `start_s` to `end_s` (may reach past the flight), and what to write into it."""
@@ -26,6 +28,8 @@ class FigureContext:
     faults: Sequence[FaultWindow] = ()
     disturbances_s: Sequence[float] = ()
     """Times at which a disturbance begins, ends or changes, s."""
+    controlled: Controlled = ALL
+    """Whether roll, pitch and yaw are controlled; another axis has neither reference nor command."""
     wind: bool = False
     """Whether the scenario has wind; without it, the figure of the air shows the throttle in its place."""
 

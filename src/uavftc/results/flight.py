@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from uavftc.analysis.metrics import controlled_of
 from uavftc.control.custom.module import checksum
+from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.signals import SURFACES
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
@@ -93,6 +95,7 @@ class FlightResult(NamedTuple):
                 for fault in faults
             ],
             disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
+            controlled=controlled_of(self.axes),
             wind=Inputs(scenario, np.zeros(3), SURFACES).acts_on("wind_n"),
         )
 
@@ -117,8 +120,9 @@ def origin_of(flight: Flight) -> dict[str, Any]:
 
 
 def notes_of(flight: Flight) -> tuple[str, ...]:
-    """Return what is worth knowing about the aircraft's files, where they were read, one line each."""
-    return () if flight.model is None else tuple(strict.warnings(flight.aircraft))
+    """Return what is worth knowing about the aircraft, its axes and its files, where they were read, one line each."""
+    files = () if flight.model is None else tuple(strict.warnings(flight.aircraft))
+    return (*left_to_the_airframe(flight.given.axes), *files)
 
 
 def metadata_of(scenario: Scenario, origin: dict[str, Any]) -> dict[str, str]:

@@ -38,7 +38,7 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     flight = build_flight(scenario)
     origin = origin_of(flight)
     records, outcome = fly_to_memory(flight)
-    axes = metrics_of(records, completed=outcome.completed)
+    axes = metrics_of(records, completed=outcome.completed, controlled=flight.given.axes)
     trusted = TrustedRange(flight.aircraft.trusted)
     trusted.take(records)
     history = published(records) if keep_history else None
