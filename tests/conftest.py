@@ -21,10 +21,10 @@ def own_cache(tmp_path_factory):
     Compiled laws stay in the user's cache: they are the same, and compiling them takes longer than most tests.
     """
     from uavftc.core.cache import cache_folder
-    from uavftc.plants.jsbsim import model, moment
+    from uavftc.plants.jsbsim import copy, model
 
     cache = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
-        for module in (model, moment):
+        for module in (model, copy):
             patch.setattr(module, "cache_folder", functools.partial(cache_folder, home=cache))
         yield cache

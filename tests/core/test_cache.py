@@ -35,13 +35,13 @@ def test_laws_models_copies_and_fleet_lie_in_the_one_home(home, monkeypatch):
     from uavftc.aircraft.definition import load_aircraft
     from uavftc.core.compile_cache import compile_cache_dir
     from uavftc.jobs.design import fleet
-    from uavftc.plants.jsbsim import model, moment
+    from uavftc.plants.jsbsim import copy, model
 
     monkeypatch.setattr(model, "cache_folder", cache_folder)
-    monkeypatch.setattr(moment, "cache_folder", cache_folder)
+    monkeypatch.setattr(copy, "cache_folder", cache_folder)
     assert compile_cache_dir.__wrapped__().parent == home
     assert model.cache_dir().parent == home / "models"
-    assert home / "with-moment" in moment.copy_with_moment(load_aircraft("jsbsim:c172p")).parents
+    assert home / "aircraft" in copy.copy_of(load_aircraft("jsbsim:c172p")).parents
     assert home / "fleet" in fleet._file("hale").parents
 
 

@@ -17,7 +17,7 @@ import re
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from uavftc.aircraft.effectors import Effector, Property, Surface, Surfaces, Throttle, Weight, problems
@@ -81,6 +81,14 @@ class AnalyticModel(Model):
     B_m: Matrix3
 
 
+def _warnings(value: object) -> object:
+    texts = tuple(value) if isinstance(value, list | tuple) else ()
+    if value in ("strict", "allow") or (texts and all(isinstance(text, str) and text.strip() for text in texts)):
+        return texts or value
+    expected = "strict, allow, or a list of texts, one from each complaint that is allowed"
+    raise PydanticCustomError("warnings", "{expected}", {"expected": expected})
+
+
 class Aircraft(Model):
     """An aircraft definition, read from its companion file."""
 
@@ -97,6 +105,7 @@ class Aircraft(Model):
     trusted: Trusted = Trusted()
     planet: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*\.xml$")] | None = None
     analytic: AnalyticModel | None = None
+    warnings: Annotated[tuple[str, ...] | str, BeforeValidator(_warnings)] = "strict"
 
     @model_validator(mode="after")
     def _consistent(self) -> Aircraft:
@@ -133,8 +142,13 @@ class Aircraft(Model):
 
     @property
     def strict(self) -> bool:
-        """Whether a warning of JSBSim is an error: with a companion file, which claims that all is well."""
-        return self._checked
+        """Whether a complaint about its files is an error: with a companion file, unless that allows all."""
+        return self._checked and self.warnings != "allow"
+
+    def allows(self, complaint: str) -> bool:
+        """Return whether a complaint about its files is a warning only."""
+        texts = self.warnings if isinstance(self.warnings, tuple) else ()
+        return not self.strict or any(text in complaint for text in texts)
 
     @property
     def engine_dir(self) -> Path:
@@ -273,14 +287,22 @@ def stock_names() -> list[str]:
 def _stock(name: str, where: str) -> Aircraft:
     names = stock_names()
     if name not in names:
-        near = difflib.get_close_matches(name, names, 1)
+        near = [f"{STOCK}{found}" for found in _near(name, names)]
+        meant = " or ".join(filter(None, (", ".join(near[:-1]), *near[-1:])))
         raise InputError(
             where,
             found=f"'{STOCK}{name}', which JSBSim does not ship",
             expected=f"jsbsim: and one of {', '.join(names)}",
-            remedy=f"did you mean {STOCK}{near[0]}?" if near else "choose one of them (uavftc aircraft lists them)",
+            remedy=(f"did you mean {meant}?" if near else "choose one of them")
+            + " (uavftc aircraft says which of them the controller flies)",
         )
     return _bare(name, stock_dir() / name, stock=True)
+
+
+def _near(name: str, names: list[str]) -> list[str]:
+    """Return up to three names that may have been meant, the nearest first; those equally near in their order."""
+    found = [known for known in names if difflib.get_close_matches(name.lower(), [known.lower()])]
+    return sorted(found, key=lambda known: -difflib.SequenceMatcher(None, name.lower(), known.lower()).ratio())[:3]
 
 
 def _folder(aircraft: str, where: str) -> Path:

@@ -72,7 +72,7 @@ def compare(
         from uavftc.report.console import Terminal  # noqa: PLC0415
         from uavftc.report.side_by_side import print_comparison  # noqa: PLC0415
 
-        print_comparison(Terminal(stderr=as_json), document, folder)
+        print_comparison(Terminal(stderr=as_json), document, folder, aside=Terminal(stderr=True))
     if "figures_missing" in document:
         print(f"error: {folder} has no figures: {document['figures_missing']}", file=sys.stderr)
     if not document["completed"]:

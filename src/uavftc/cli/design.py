@@ -111,7 +111,7 @@ def design(
     from uavftc.report.console import Terminal  # noqa: PLC0415
     from uavftc.report.design_text import print_design  # noqa: PLC0415
 
-    print_design(Terminal(), document)
+    print_design(Terminal(), document, aside=Terminal(stderr=True))
     if figure is not None:
         print(f"figure: {figure}")
 

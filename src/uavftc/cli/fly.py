@@ -70,7 +70,7 @@ def fly(
         from uavftc.report.console import Terminal  # noqa: PLC0415
         from uavftc.report.table import print_result  # noqa: PLC0415
 
-        print_result(Terminal(), document, folder)
+        print_result(Terminal(), document, folder, aside=Terminal(stderr=True))
     if "figures_missing" in document:
         print(f"error: {folder} has no figures: {document['figures_missing']}", file=sys.stderr)
     if outcome.interrupted:

@@ -23,8 +23,8 @@ METHODS = {
 }
 
 
-def print_design(console: Console, document: dict[str, Any]) -> None:
-    """Print the document of `uavftc.jobs.design.document.design_document`."""
+def print_design(console: Console, document: dict[str, Any], *, aside: Console | None = None) -> None:
+    """Print the document of `uavftc.jobs.design.document.design_document`; warnings on `aside`, where there is one."""
 
     def line(text: str, style: str = "") -> None:
         console.print(Text(text, style=style))
@@ -33,6 +33,8 @@ def print_design(console: Console, document: dict[str, Any]) -> None:
     _print_loop(console, line, document)
     for flown in document.get("flight", {}).get("flights", ()):
         _print_flight(line, document["flight"]["scenario"], flown)
+    for warning in document["warnings"]:
+        (aside or console).print(Text.assemble(("warning: ", "yellow"), warning))
 
 
 def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> None:

@@ -29,8 +29,13 @@ _SIZES = (
 _PLACES = (*AXES, "all")
 
 
-def print_comparison(console: Console, document: dict[str, Any], folder: Path | None) -> None:
-    """Print the tables, how each flight that did not reach its end was lost, warnings, and where the results are."""
+def print_comparison(
+    console: Console, document: dict[str, Any], folder: Path | None, *, aside: Console | None = None
+) -> None:
+    """Print the tables, how each flight that did not reach its end was lost, warnings, and where the results are.
+
+    Warnings are printed on `aside`, where there is one.
+    """
     console.print(Text(title_of(document), style="bold"))
     for table in [*metric_tables(document), *distance_tables(document)]:
         console.print()
@@ -40,7 +45,7 @@ def print_comparison(console: Console, document: dict[str, Any], folder: Path | 
         if not flight["completed"]:
             console.print(Text.assemble(f"{name_of(flight)}: ", outcome_line(flight)))
     for warning in document["warnings"]:
-        console.print(Text.assemble(("warning: ", "yellow"), warning))
+        (aside or console).print(Text.assemble(("warning: ", "yellow"), warning))
     if folder is not None:
         console.print(Text(f"results: {folder}"), soft_wrap=True)
 

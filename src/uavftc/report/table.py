@@ -34,7 +34,9 @@ def metric_table(summary: dict[str, Any]) -> Table:
     return table
 
 
-def print_result(console: Console, summary: dict[str, Any], folder: Path | None) -> None:
+def print_result(
+    console: Console, summary: dict[str, Any], folder: Path | None, *, aside: Console | None = None
+) -> None:
     """Print the closing block: table, how the flight ended, how long it took, warnings, and where the results are.
 
     Parameters
@@ -45,11 +47,13 @@ def print_result(console: Console, summary: dict[str, Any], folder: Path | None)
         The document of `summary.json`.
     folder
         The result folder, or None if nothing was kept.
+    aside
+        Where to print the warnings, where that is another place.
     """
     console.print(metric_table(summary))
     console.print(outcome_line(summary))
     for warning in summary.get("warnings", ()):
-        console.print(Text.assemble(("warning: ", "yellow"), warning))
+        (aside or console).print(Text.assemble(("warning: ", "yellow"), warning))
     if folder is not None:
         # One line whatever its length, so that it can be copied.
         console.print(Text(f"results: {folder}"), soft_wrap=True)

@@ -16,7 +16,7 @@ from uavftc.core.signals import SURFACES
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
 from uavftc.flight.inputs import Inputs
-from uavftc.plants.jsbsim import strict
+from uavftc.plants.jsbsim.model import notes
 from uavftc.results.context import FaultWindow, FigureContext, fault_label
 from uavftc.results.history import write_history
 from uavftc.results.summary import provenance, summary, title_of
@@ -121,7 +121,7 @@ def origin_of(flight: Flight) -> dict[str, Any]:
 
 def notes_of(flight: Flight) -> tuple[str, ...]:
     """Return what is worth knowing about the aircraft, its axes and its files, where they were read, one line each."""
-    files = () if flight.model is None else tuple(strict.warnings(flight.aircraft))
+    files = () if flight.model is None else tuple(notes(flight.aircraft, flight.model))
     return (*left_to_the_airframe(flight.given.axes), *files)
 
 

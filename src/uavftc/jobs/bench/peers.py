@@ -9,7 +9,7 @@ from uavftc.flight.build import build_flight
 from uavftc.jobs.bench.flights import jsbsim_plant, scenario
 from uavftc.jobs.bench.loop import AIRCRAFT, closed_loop
 from uavftc.jobs.bench.measure import Figure, Job, NotMeasuredError, alternately, computed, of, ratios
-from uavftc.plants.jsbsim.moment import moment_name
+from uavftc.plants.jsbsim.copy import moment_name
 from uavftc.plants.jsbsim.plant import CONTACT, STATE_PROPERTIES
 
 GYM_STEPS = 400  # of jsbgym's task, 12 frames each: about as many frames as scenario 3 has

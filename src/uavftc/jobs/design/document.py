@@ -30,6 +30,7 @@ from uavftc.control.inner.matrices import MAX_CONDITION
 from uavftc.errors import InputError
 from uavftc.jobs.design.reference import flight_document, inner_of, l1_of
 from uavftc.jobs.design.trimmed import design_model, trimmed_sections
+from uavftc.plants.jsbsim.model import notes
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
@@ -88,7 +89,11 @@ def design_document(
             remedy="leave --scenario out; the design is then that of the flight",
         )
     model = design_model(source, aircraft)
-    document: dict[str, Any] = {"aircraft": aircraft.name, **trimmed_sections(source, model)}
+    document: dict[str, Any] = {
+        "aircraft": aircraft.name,
+        **trimmed_sections(source, model),
+        "warnings": notes(aircraft, model),
+    }
     B_m = np.array(inner.B_m or (aircraft.analytic.B_m if aircraft.analytic else model.B_rates))
     document |= theory(inner, model.A_rates, B_m, given, omega)
     if flight is not None:

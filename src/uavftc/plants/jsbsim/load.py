@@ -3,13 +3,16 @@
 JSBSim lets several typing errors pass: an unknown element leaves a mass or an inertia at zero, an unknown operator
 leaves a line in the log. Here an `InputError` is raised for anything that JSBSim would pass over in the files
 (`strict`), any message of level WARN or worse, and any difference from the mass properties of the companion file.
+What JSBSim loads is a copy (`copy`): nothing that an aircraft says may write, open or listen.
 """
 
 from __future__ import annotations
 
+import functools
+import os
 import threading
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +22,14 @@ import numpy as np
 from uavftc.aircraft.definition import Aircraft
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import strict
-from uavftc.plants.jsbsim.moment import copy_with_moment
+from uavftc.plants.jsbsim.copy import copy_of
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
 FLAT_PLANET = Path(__file__).with_name("flat_planet.xml")
 """Flat, not rotating, constant gravity: the paper's assumptions 2 and 3, for an aircraft that names no planet."""
+
+_NOWHERE = Path(__file__) / "output"
+"""Where JSBSim writes: nothing can be made below a file. A component may write simulation/write-state-file."""
 
 _SHOWN = 4  # of JSBSim's complaints; the first ones name the cause
 _WARN, _FATAL = int(jsbsim.LogLevel.WARN), int(jsbsim.LogLevel.FATAL)
@@ -71,41 +77,85 @@ def _quiet_log() -> _Log:
     return _log
 
 
-def load(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> jsbsim.FGFDMExec:
-    """Return a fresh FDM with the aircraft loaded at frame time dt, s; nothing is initialised yet.
-
-    With `with_moment`, an aircraft that has no input for a disturbance moment is loaded from a copy that has one.
+def load(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
+    """Return a fresh FDM with the copy of the aircraft loaded at frame time dt, s; nothing is initialised yet.
 
     Raises
     ------
     InputError
-        If JSBSim cannot read the aircraft or, of an aircraft with a companion file, complains about it.
+        If JSBSim cannot read the aircraft, or complains about it and its companion file does not allow that.
     """
-    folder = aircraft.folder
     strict.refuse(aircraft)
-    if with_moment and aircraft.disturbance_moment is None:
-        folder = copy_with_moment(aircraft)
+    return _loaded(aircraft, dt, missing(aircraft))
+
+
+def missing(aircraft: Aircraft) -> tuple[str, ...]:
+    """Return the properties that an aircraft reads and nothing defines, where its companion file, if any, allows all.
+
+    They are declared, 0, in what is loaded. Usually another program, such as FlightGear, would provide them.
+
+    Raises
+    ------
+    InputError
+        If JSBSim cannot read the aircraft.
+    """
+    return () if aircraft.strict else _missing(aircraft, aircraft.sha256())
+
+
+@functools.lru_cache(maxsize=64)
+def _missing(aircraft: Aircraft, _checksum: str) -> tuple[str, ...]:
+    names = strict.reads(aircraft)
+    absent: list[str] = []
+    while True:
+        try:
+            manager = _loaded(aircraft, 0.01, absent).get_property_manager()
+            break
+        except InputError as error:  # the switch of a channel must exist when it is loaded
+            switch = next((n for n in names if n not in absent and f"property, {n} specified" in error.found), None)
+            if switch is None:
+                raise
+            absent.append(switch)
+    return (*absent, *(name for name in names if name not in absent and manager.get_node(name) is None))
+
+
+def _loaded(aircraft: Aircraft, dt: float, declared: Sequence[str]) -> jsbsim.FGFDMExec:
+    folder = aircraft.folder.resolve()  # the way from it to the copy counts its parents
+    copy = copy_of(aircraft, declared).resolve()
+    try:
+        model = os.path.relpath(copy.with_suffix(""), folder)
+    except ValueError:
+        raise InputError(
+            f"aircraft {aircraft.name}, {aircraft.xml}",
+            found=f"on another drive than the cache, {copy.parent}",
+            expected="both on one drive",
+            remedy="set UAVFTC_CACHE_DIR to a folder on the drive of the aircraft",
+        ) from None
     planet = FLAT_PLANET if aircraft.planet is None else aircraft.folder / aircraft.planet
     log = _quiet_log()
+
+    def complaints() -> list[str]:
+        return [text.replace(str(folder / f"{model}.xml"), str(aircraft.xml)) for text in log.complaints()]
+
     fdm = jsbsim.FGFDMExec(str(folder.parent))
     fdm.set_debug_level(0)
-    fdm.set_aircraft_path(str(folder.parent))
+    fdm.set_output_path(str(_NOWHERE))
+    fdm.set_aircraft_path(str(folder))
     fdm.set_engine_path(str(aircraft.engine_dir))
     fdm.set_systems_path(str(aircraft.systems_dir))
     fdm.set_dt(dt)  # before load_model: the FCS components keep the frame time they are loaded with
     try:
-        loaded = fdm.load_model(folder.name)
-        complaints = log.complaints()
+        loaded = fdm.load_model(model, False)  # all that it includes is found in the aircraft's own folder
+        refused = [text for text in complaints() if not aircraft.allows(text)]
         if loaded:
             loaded = fdm.load_planet(str(planet), False)
     except (RuntimeError, OSError) as error:  # jsbsim.BaseError is a RuntimeError
-        raise _unreadable(aircraft, [*log.complaints(), str(error)]) from None
-    if not loaded or (aircraft.strict and complaints):
-        raise _unreadable(aircraft, log.complaints())
+        raise _unreadable(aircraft, [*complaints(), str(error)]) from None
+    if not loaded or refused:
+        raise _unreadable(aircraft, complaints())
     return fdm
 
 
-def initialised(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> jsbsim.FGFDMExec:
+def initialised(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
     """Return a fresh FDM at frame time dt, s, loaded, initialised and checked against the companion file.
 
     Raises
@@ -113,7 +163,7 @@ def initialised(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> 
     InputError
         If the aircraft does not load or does not hold what the companion file says.
     """
-    fdm = load(aircraft, dt, with_moment=with_moment)
+    fdm = load(aircraft, dt)
     try:
         fdm.run_ic()
         check_initialised(aircraft, fdm)
@@ -122,7 +172,8 @@ def initialised(aircraft: Aircraft, dt: float, *, with_moment: bool = False) -> 
             f"aircraft {aircraft.name}, {aircraft.xml}",
             found=f"JSBSim cannot initialise it: {' '.join(str(error).split())}",
             expected="an aircraft whose properties all exist",
-            remedy="correct the property name in the XML",
+            remedy="correct the property name in the XML, or declare it there"
+            + (", or write warnings: allow into the companion file" if aircraft.strict else ""),
         ) from None
     return fdm
 
@@ -156,8 +207,9 @@ def check_initialised(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> None:
                 remedy="correct the XML (JSBSim ignores an element whose name it does not know) or the "
                 "companion file; give inertias in SLUG*FT2, JSBSim's own KG*M2 factor is 9e-5 off",
             )
-    if aircraft.strict and _log is not None and _log.complaints():
-        raise _unreadable(aircraft, _log.complaints())
+    complaints = [] if _log is None else _log.complaints()
+    if not all(map(aircraft.allows, complaints)):
+        raise _unreadable(aircraft, complaints)
     manager = fdm.get_property_manager()
     for key, name in aircraft.properties():
         if manager.get_node(name) is None:

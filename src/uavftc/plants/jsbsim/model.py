@@ -75,6 +75,8 @@ class TrimmedModel(NamedTuple):
     """Whether roll, pitch and yaw answer to any effector."""
     engine_names: Sequence[str] = ()
     """Names of the engines, in the order of the XML."""
+    declared: Sequence[str] = ()
+    """Properties that the aircraft reads and nothing defines; they are 0."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,7 +104,7 @@ def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedMode
         If the aircraft does not load or has no trim there.
     """
     from uavftc.plants.jsbsim.linearise import linearise  # noqa: PLC0415
-    from uavftc.plants.jsbsim.load import inertia, initialised  # noqa: PLC0415 - the parent process does not need JSBSim
+    from uavftc.plants.jsbsim.load import inertia, initialised, missing  # noqa: PLC0415 - the parent process does not need JSBSim
     from uavftc.plants.jsbsim.trim import configure, freeze, place, trim_jsbsim, trim_own  # noqa: PLC0415
     from uavftc.plants.jsbsim.units import SLUG_KG  # noqa: PLC0415
 
@@ -152,7 +154,17 @@ def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedMode
         throttle_mps2=linear.throttle_mps2,
         nonlinearity=linear.nonlinearity.tolist(),
         axes=list(axes),
+        declared=missing(aircraft),
     )
+
+
+def notes(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
+    """Return what is worth knowing about the aircraft's files, one line each."""
+    lines = strict.warnings(aircraft)
+    commanded = {name for _, name in aircraft.properties()}
+    if held := [name for name in model.declared if name not in commanded]:
+        lines.append(f"{aircraft.xml.name} reads what nothing defines, taken as 0: {', '.join(held)}")
+    return lines
 
 
 # --- measured once, in a child process ------------------------------------------------------------------------------
@@ -234,7 +246,9 @@ def cache_dir() -> Path:
 
 def _in_child(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) -> str:
     command = [sys.executable, "-m", __name__, aircraft.reference, repr(altitude), *map(repr, speeds)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+    with subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as child:
         try:
             stdout, stderr = child.communicate(timeout=TIMEOUT_S)
         except BaseException as error:  # Ctrl-C too leaves no child behind

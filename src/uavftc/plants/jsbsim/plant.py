@@ -22,9 +22,9 @@ from uavftc.core.signals import ROW
 from uavftc.core.stage import Block, params_of, records_of
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import bridge
+from uavftc.plants.jsbsim.copy import moment_name
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
-from uavftc.plants.jsbsim.moment import moment_name
 from uavftc.plants.jsbsim.trim import WIND, Trim, start
 from uavftc.plants.jsbsim.writer import writer
 
@@ -86,7 +86,7 @@ class JSBSimPlant:
     ) -> None:
         integrators = INTEGRATORS if integrators is None else integrators
         self.trim = trim = Trim(**model.trim)
-        self.fdm = fdm = initialised(aircraft, timing.plant_step, with_moment=has_moment)
+        self.fdm = fdm = initialised(aircraft, timing.plant_step)
         start(fdm, aircraft, trim, wind_n, integrators)
         self.x1_trim = np.array([trim.phi, trim.theta, 0.0])
         self.u_limits = np.array(model.limits_rad)

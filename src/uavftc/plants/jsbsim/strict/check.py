@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from uavftc.aircraft.definition import Aircraft
+from uavftc.aircraft.effectors import is_property
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.strict import components, functions, propulsion, sections, values
 from uavftc.plants.jsbsim.strict.document import Node, read
@@ -15,6 +16,9 @@ from uavftc.plants.jsbsim.strict.grammar import PROSE, Kind
 
 KINDS: dict[str, Kind] = {**sections.KINDS, **propulsion.KINDS, **components.KINDS, **functions.KINDS}
 _TABLES = frozenset(["table", "propeller-table", "cornering"])
+_LOOKED_UP = ("property", "value", "conditions", "argument")
+_NOT_LOOKED_UP = ("target", "declaration")
+_TAKEN_OUT = ("aircraft-output", "aircraft-input")  # of the copy that JSBSim loads
 _NAMED = 24  # names listed in a message
 _PATH_PREFIXES = ("xmlns", "xsi:", "xml:")
 _FOLDERS = {
@@ -56,6 +60,8 @@ class _Walk:
         self.opened: set[tuple[Path, str]] = set()
         self.written: dict[str, tuple[Node, int]] = {}
         self.read: set[str] = set()
+        self.reads: dict[str, None] = {}
+        """What JSBSim looks up as it flies, in order; `read` has every word that might be one."""
 
     def add(self, node: Node, line: int, found: str, expected: str, remedy: str) -> None:
         self.found.append(Finding(node.path, line, found, expected, remedy))
@@ -69,7 +75,12 @@ class _Walk:
         self.text(node, kind)
         if kind.form != "rows":
             self.properties(node, name)
+        if name not in _NOT_LOOKED_UP:
+            self.look_ups(node, kind)
+        reads = dict(self.reads)
         self.children(node, kind, self.included(node, name, kind))
+        if name in _TAKEN_OUT:
+            self.reads = reads
         if name in _TABLES:
             self.table(node)
         if name == "propeller":
@@ -232,6 +243,18 @@ class _Walk:
         remedy = f"write {form.format(near[0])}" if near else "rename or remove it; JSBSim would pass over it"
         self.add(node, line, found, expected, remedy)
 
+    def look_ups(self, node: Node, kind: Kind) -> None:
+        """Keep the properties that JSBSim looks up for an element."""
+        texts = [text.split() for _, text in node.lines()] if kind.form in _LOOKED_UP else []
+        words = [word for text in texts for word in (text[::2] if kind.form == "conditions" else text)]
+        for key, value in node.attributes.items():
+            if key in kind.attributes and kind.attributes[key].form in _LOOKED_UP:
+                words.append(value.strip())
+        for word in words:
+            name = word.removeprefix("-")
+            if values.is_property(word) and is_property(name.removeprefix("/")):
+                self.reads[name] = None
+
     def properties(self, node: Node, name: str) -> None:
         """Keep the properties that an element writes or reads."""
         for line, text in node.lines():
@@ -287,7 +310,14 @@ class _Walk:
 
 
 def findings(aircraft: Aircraft) -> list[Finding]:
-    """Return what is wrong with an aircraft's files: the aircraft, all that it includes, and its planet.
+    """Return what is wrong with an aircraft's files, as `examined`."""
+    return examined(aircraft)[0]
+
+
+def examined(aircraft: Aircraft) -> tuple[list[Finding], list[str]]:
+    """Return what is wrong with an aircraft's files, and the properties that they read, without sign.
+
+    The files are the aircraft's, all that it includes, and its planet's.
 
     Raises
     ------
@@ -308,7 +338,7 @@ def findings(aircraft: Aircraft) -> list[Finding]:
             walk.element(root, "planet")
         else:
             walk.unknown(root, root.line, f"<{root.tag}> as the root of a planet's file", root.tag, ["planet"], "<{}>")
-    return walk.found
+    return walk.found, list(walk.reads)
 
 
 def _bare(name: str) -> str:

@@ -42,7 +42,8 @@ def _is_number(text: str) -> bool:
     return _NUMBER.fullmatch(text) is not None
 
 
-def _is_property(text: str) -> bool:
+def is_property(text: str) -> bool:
+    """Return whether a text may be the name of a property, with its sign."""
     return _PROPERTY.fullmatch(text) is not None and _NO_NUMBER.fullmatch(text) is None
 
 
@@ -64,8 +65,8 @@ def _conditions(line: int, lines: Lines) -> list[Problem]:
     found = []
     for number, text in lines:
         words = text.split()
-        fits = len(words) == 3 and _is_property(words[0]) and words[1] in _COMPARISONS
-        if not fits or not (_is_number(words[2]) or _is_property(words[2])):
+        fits = len(words) == 3 and is_property(words[0]) and words[1] in _COMPARISONS
+        if not fits or not (_is_number(words[2]) or is_property(words[2])):
             found.append(Problem(number, f"'{text}'", expected))
     return found
 
@@ -119,9 +120,9 @@ _PROPERTY_TEXT = "the name of a property, such as fcs/elevator-pos-rad"
 
 FORMS: dict[str, Callable[[int, Lines], list[Problem]]] = {
     "number": _single("one number", _is_number),
-    "property": _single(_PROPERTY_TEXT, _is_property),
-    "argument": _single(_PROPERTY_TEXT, lambda text: text == "#" or _is_property(text.replace("[#]", "[0]"))),
-    "value": _single("one number, or the name of a property", lambda text: _is_number(text) or _is_property(text)),
+    "property": _single(_PROPERTY_TEXT, is_property),
+    "argument": _single(_PROPERTY_TEXT, lambda text: text == "#" or is_property(text.replace("[#]", "[0]"))),
+    "value": _single("one number, or the name of a property", lambda text: _is_number(text) or is_property(text)),
     "any": _single("a word", lambda text: True),
     "unit": _single("a unit that JSBSim knows", lambda text: text in UNITS),
     "axis": _single("row, column, table or axis1 to axis9", lambda text: _AXIS.fullmatch(text) is not None),

@@ -1,0 +1,181 @@
+"""The copy that JSBSim loads: an aircraft's main file without anything that writes, opens or listens.
+
+- <output> and <input> of the aircraft are taken out: files, sockets. Those of components name properties and stay.
+  JSBSim reads neither in an included file. A <child>, another aircraft with outputs of its own, is taken out too.
+- A moment input is added to an aircraft that has none, for the disturbance d2: the body moment J d2.
+- Properties that nothing defines are declared, 0, where the caller says so (`load.missing`).
+
+The author's files are never touched. The copy is in the user's cache under its own checksum; whatever else the
+aircraft reads, it reads from the author's folder. Lines keep their numbers.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+from xml.sax.saxutils import quoteattr
+
+from uavftc.aircraft.definition import Aircraft
+from uavftc.aircraft.effectors import is_property
+from uavftc.core.cache import cache_folder
+from uavftc.errors import InputError
+
+MOMENT = "uavftc-disturbance"
+_ELEMENT = f'<moment name="{MOMENT}" frame="BODY"><direction><x>1</x><y>0</y><z>0</z></direction></moment>'
+_TAKEN_OUT = ("output", "input", "child")
+
+
+def moment_name(aircraft: Aircraft) -> str:
+    """Return the name of the moment that carries d2."""
+    return aircraft.disturbance_moment or MOMENT
+
+
+def copy_of(aircraft: Aircraft, declared: Sequence[str] = ()) -> Path:
+    """Return the copy of the aircraft's main file with these properties declared, made at the first call.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not well-formed, or declares entities.
+    """
+    try:
+        data = aircraft.xml.read_bytes()
+        copy = edited(data, moment=aircraft.disturbance_moment is None, declared=declared)
+    except OSError as error:
+        raise _unusable(aircraft, error.strerror or str(error), "a file that can be read") from None
+    except expat.ExpatError as error:
+        found = f"line {error.lineno}, malformed XML: {expat.errors.messages[error.code]}"
+        raise _unusable(aircraft, found, "well-formed XML") from None
+    except _EntityError as error:
+        raise _unusable(aircraft, f"line {error.args[0]}, <!ENTITY>", "no entities: text as it is meant") from None
+    file = cache_folder("aircraft", hashlib.sha256(copy).hexdigest()[:32]) / aircraft.xml.name
+    if not file.is_file() or file.read_bytes() != copy:
+        partial = file.with_suffix(f".{os.getpid()}")
+        partial.write_bytes(copy)
+        partial.replace(file)
+    return file
+
+
+def _unusable(aircraft: Aircraft, found: str, expected: str) -> InputError:
+    return InputError(
+        f"aircraft {aircraft.name}, {aircraft.xml}",
+        found=found,
+        expected=expected,
+        remedy="correct the XML at the place named",
+    )
+
+
+def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = ()) -> bytes:
+    """Return an aircraft's XML without outputs, inputs and children, with a moment input and properties declared.
+
+    Raises
+    ------
+    expat.ExpatError
+        If it is not well-formed.
+    """
+    if xml[:2] in (b"\xff\xfe", b"\xfe\xff"):  # UTF-16: what is put in is ASCII
+        xml = re.sub(r"\A<\?xml.*?\?>", '<?xml version="1.0"?>', xml.decode("utf-16"), flags=re.DOTALL).encode()
+    sections, inside, end = _sections(xml)
+    changes: list[tuple[int, int, bytes]] = []
+    values = dict.fromkeys(declared, "0")
+    for section in sections:
+        if section.tag in _TAKEN_OUT:
+            changes.append((section.begin, section.end, b"\n" * xml.count(b"\n", section.begin, section.end)))
+            values |= section.properties  # an <input> declares them for the rest of the aircraft
+    if values:
+        lines = "".join(f"<property value={quoteattr(value)}>{name}</property>" for name, value in values.items())
+        changes.append((inside, inside, f'<system name="uavftc-declared">{lines}</system>'.encode()))
+    if moment:
+        changes.append(_moment(sections, end, xml))
+    for begin, stop, text in sorted(changes, reverse=True):
+        xml = xml[:begin] + text + xml[stop:]
+    return xml
+
+
+@dataclass
+class _Section:
+    """A child of the root: its place in the file, in bytes, and the properties that an <input> declares."""
+
+    tag: str
+    begin: int
+    inside: int = -1
+    """Behind its start tag."""
+    end: int = -1
+    """Behind its end tag; `inside` of an empty tag, <tag/>."""
+    properties: dict[str, str] = field(default_factory=dict)
+
+
+class _EntityError(ValueError):
+    """The document declares an entity: what it stands for would be read by JSBSim, and not be seen here."""
+
+
+def _moment(sections: list[_Section], end: int, xml: bytes) -> tuple[int, int, bytes]:
+    """Return the change that adds the moment, to the <external_reactions> that JSBSim reads or in a new one."""
+    for section in sections:
+        if section.tag == "external_reactions":
+            if section.inside < section.end:
+                return section.inside, section.inside, _ELEMENT.encode()
+            closed = f">{_ELEMENT}</external_reactions>".encode()
+            return xml.rindex(b"/", section.begin, section.end), section.end, closed
+    return end, end, f"<external_reactions>{_ELEMENT}</external_reactions>".encode()
+
+
+def _sections(xml: bytes) -> tuple[list[_Section], int, int]:
+    """Return the children of the root, where the root's start tag ends, and where its end tag begins."""
+    parser = expat.ParserCreate()
+    sections: list[_Section] = []
+    root = _Section("", 0)
+    opened: list[str] = []
+    declaration: tuple[str, list[str]] | None = None
+    # an event does not say where it ends; the next one begins there
+    waiting: list[tuple[_Section, str]] = []
+
+    def event(*_: object) -> None:
+        while waiting:
+            section, edge = waiting.pop()
+            setattr(section, edge, parser.CurrentByteIndex)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal declaration
+        event()
+        if len(opened) == 0:
+            waiting.append((root, "inside"))
+        elif len(opened) == 1:
+            sections.append(_Section(tag, parser.CurrentByteIndex))
+            waiting.append((sections[-1], "inside"))
+        elif opened[1:] == ["input"] and tag == "property":
+            declaration = attributes.get("value", "0"), []
+        opened.append(tag)
+
+    def stop(tag: str) -> None:
+        nonlocal declaration
+        event()
+        opened.pop()
+        if len(opened) == 1:
+            waiting.append((sections[-1], "end"))
+        elif len(opened) == 0:
+            root.end = parser.CurrentByteIndex
+        elif declaration is not None and tag == "property":
+            name = "".join(declaration[1]).strip()
+            if is_property(name.removeprefix("/")):
+                sections[-1].properties[name] = declaration[0]
+            declaration = None
+
+    def text(data: str) -> None:
+        event()
+        if declaration is not None:
+            declaration[1].append(data)
+
+    def entity(*_: object) -> None:
+        raise _EntityError(parser.CurrentLineNumber)
+
+    parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = start, stop, text
+    parser.EntityDeclHandler = entity
+    parser.DefaultHandler = event  # comments and all the rest
+    parser.Parse(xml, True)
+    return sections, root.inside, root.end
