@@ -20,7 +20,7 @@ from uavftc.jobs.design import fleet
 FEW = ["hale", "jsbsim:c172p", "jsbsim:L17"]
 KEYS = {
     "aircraft", "measured", "mass_kg", "span_m", "engines", "trims", "method", "airspeed_mps", "altitude_m", "flyable",
-    "weakest_axis", "ratio", "reason",
+    "weakest_axis", "ratio", "reason", "without",
 }  # fmt: skip
 
 

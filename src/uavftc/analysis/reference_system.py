@@ -12,7 +12,7 @@ beyond A_m x2 + B_m omega v_ad,
     eta = B_m^-1 ( gyroscopic(x2) + d2 + (A_l - A_m) x2 + (B_l - B_m) u2 ) + u2 - omega v_ad
 
 which is known on the analytic plant alone. Between samples r and the terms in x2 run linearly; d2, u2 and omega are
-held, as the plant holds them.
+held, as the plant holds them. Where an axis is not controlled, the system is that of the others.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import expm
 
+from uavftc.core.axes import ALL, Controlled, embedded, indices
 from uavftc.core.program import Program
 from uavftc.core.stage import Block
 
@@ -83,6 +84,7 @@ def lumped_disturbance(
     B_l: np.ndarray,
     A_m: np.ndarray,
     B_m: np.ndarray,
+    axes: Controlled = ALL,
 ) -> Disturbance:
     """Return eta of a flight on the analytic plant.
 
@@ -95,14 +97,17 @@ def lumped_disturbance(
     A_l, B_l
         The plant's linear pair, 1/s and 1/s^2.
     A_m, B_m
-        The design's.
+        The design's, shape (n, n) for n controlled axes.
+    axes
+        Which are controlled; the disturbance has their columns.
     """
+    own = indices(axes)
     x2, u2 = records["x2"], records["u2"]
     gyroscopic = -np.linalg.solve(inertia, np.cross(x2, x2 @ inertia.T).T).T
-    inverse = np.linalg.inv(B_m).T
-    smooth = (gyroscopic + x2 @ (A_l - A_m).T) @ inverse
-    held = (records["d2"] + u2 @ (B_l - B_m).T) @ inverse + u2 - records["effectiveness"] * v_ad
-    return Disturbance(smooth, held)
+    inverse = embedded(np.linalg.inv(B_m).T, axes)
+    smooth = (gyroscopic + x2 @ (A_l - embedded(A_m, axes)).T) @ inverse
+    held = (records["d2"] + u2 @ (B_l - embedded(B_m, axes)).T) @ inverse + u2 - records["effectiveness"] * v_ad
+    return Disturbance(smooth[:, own], held[:, own])
 
 
 class Reference(NamedTuple):
@@ -121,6 +126,7 @@ def simulate(
     K: np.ndarray,
     filter_bandwidth: float,
     v_start: np.ndarray,
+    axes: Controlled = ALL,
 ) -> Reference:
     """Return the reference system for a flight, exact for inputs linear or constant between the samples.
 
@@ -132,19 +138,23 @@ def simulate(
         As `l1_condition.norms_of`.
     v_start
         v_ref(0), shape (3,), rad.
+    axes
+        Which are controlled: n of them, and A, B_m, K and the columns of eta are theirs.
     """
+    own = indices(axes)
+    n = len(own)
     h = float(records["t"][1] - records["t"][0])
-    r, omega = records["v1"], records["effectiveness"]
+    r, omega = records["v1"][:, own], records["effectiveness"][:, own]
     u = np.hstack([r, eta.smooth + eta.held])
     # over the sample from k, eta.held keeps its value of k, also at the end
     u_end = np.hstack([r[1:], eta.smooth[1:] + eta.held[:-1]])
-    x = np.empty((len(records), 6))
-    x[0] = np.concatenate([records["x2"][0], v_start])
+    x = np.empty((len(records), 2 * n))
+    x[0] = np.concatenate([records["x2"][0][own], v_start[own]])
     factors, which = np.unique(omega, axis=0, return_inverse=True)
     Phi, begin, end = _first_order_hold(A, B_m, K, k=filter_bandwidth, omega=factors, h=h)
     for k, i in enumerate(which.ravel()[:-1]):
         x[k + 1] = Phi[i] @ x[k] + begin[i] @ u[k] + end[i] @ u_end[k]
-    return Reference(x[:, :3], x[:, 3:])
+    return Reference(x[:, :n], x[:, n:])
 
 
 def _first_order_hold(
@@ -152,19 +162,22 @@ def _first_order_hold(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return Phi, begin, end of x(t+h) = Phi x(t) + begin u(t) + end u(t+h), x = [x_ref; v_ref], u = [r; eta].
 
-    One each for every row of omega, shape (m, 3): shapes (m, 6, 6).
+    One each for every row of omega, shape (m, n): shapes (m, 2n, 2n).
     """
-    M = np.zeros((len(omega), 18, 18))
-    M[:, :3, :3] = A
-    M[:, :3, 3:6] = B_m * omega[:, None, :]
-    M[:, 3:6, 3:6] = -k * omega[:, None, :] * np.eye(3)
-    M[:, :3, 9:12] = B_m
-    M[:, 3:6, 6:9] = -k * K
-    M[:, 3:6, 9:12] = -k * np.eye(3)
+    n = len(A)
+    x, v, r, eta = (slice(i * n, (i + 1) * n) for i in range(4))
+    state, input_, slope = slice(0, 2 * n), slice(2 * n, 4 * n), slice(4 * n, 6 * n)
+    M = np.zeros((len(omega), 6 * n, 6 * n))
+    M[:, x, x] = A
+    M[:, x, v] = B_m * omega[:, None, :]
+    M[:, v, v] = -k * omega[:, None, :] * np.eye(n)
+    M[:, x, eta] = B_m
+    M[:, v, r] = -k * K
+    M[:, v, eta] = -k * np.eye(n)
     M *= h
-    M[:, 6:12, 12:] = np.eye(6)
+    M[:, input_, slope] = np.eye(2 * n)
     E = expm(M)
-    return E[:, :6, :6], E[:, :6, 6:12] - E[:, :6, 12:], E[:, :6, 12:]
+    return E[:, state, state], E[:, state, input_] - E[:, state, slope], E[:, state, slope]
 
 
 def assumptions_not_met(records: np.ndarray, limits: np.ndarray) -> list[str]:
@@ -210,7 +223,7 @@ def jumps(signal: np.ndarray) -> np.ndarray:
 
 
 class Differences(NamedTuple):
-    """Largest distances over a flight, of each axis: rad/s and rad, shape (3,)."""
+    """Largest distances over a flight, of each controlled axis: rad/s and rad, shape (n,)."""
 
     x2: np.ndarray
     """max |x_ref - x2|."""
@@ -218,9 +231,10 @@ class Differences(NamedTuple):
     """max |v_ref - v_ad|."""
 
 
-def differences(records: np.ndarray, v_ad: np.ndarray, reference: Reference) -> Differences:
+def differences(records: np.ndarray, v_ad: np.ndarray, reference: Reference, axes: Controlled = ALL) -> Differences:
     """Return the largest distances between a flight and its reference system."""
+    own = indices(axes)
     return Differences(
-        np.max(np.abs(reference.x_ref - records["x2"]), axis=0),
-        np.max(np.abs(reference.v_ref - v_ad), axis=0),
+        np.max(np.abs(reference.x_ref - records["x2"][:, own]), axis=0),
+        np.max(np.abs(reference.v_ref - v_ad[:, own]), axis=0),
     )

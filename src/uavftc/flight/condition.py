@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
-from uavftc.analysis.authority import Authority, authority, can_be_held, controlled_axes, obstacles
+from uavftc.analysis.authority import Authority, authority, can_be_held, controlled_axes, obstacles, response
 from uavftc.control.inner.predictor import A_M
 from uavftc.core.axes import Controlled, left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
@@ -110,13 +110,27 @@ def reasons_against(scenario: Scenario, model: TrimmedModel) -> list[str]:
     return found or obstacles(model.B_rates, limits, nonlinearity, authority_of(scenario, model).ratio)
 
 
-def reasons_against_any(model: TrimmedModel) -> list[str]:
+def contradictions(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
+    """Return which surfaces the companion file's B_m has, and the XML does nothing with: one of the two is wrong."""
+    if aircraft.analytic is None:
+        return []
+    B_m, limits = np.array(aircraft.analytic.B_m), np.array(model.limits_rad)
+    claimed = controlled_axes(B_m, limits)
+    return [
+        f"no small-signal {SURFACES[j]} response: {response(model.B_rates, limits)[j]:.2g} rad/s^2 at full deflection, "
+        f"where analytic.B_m has {B_m[j, j]:g} 1/s^2 (0 in its column is an aircraft without)"
+        for j in range(3)
+        if claimed[j] and not model.axes[j]
+    ]
+
+
+def reasons_against_any(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
     """Return why an aircraft with a rotational model in its companion file cannot be flown; empty if it can.
 
     No scenario is refused for its reference or its bandwidth: such an aircraft is flown to its limits on purpose. But
     what it controls it must control, which is checked with a step of `STEP_RAD` at the paper's bandwidth.
     """
-    if found := obstacles_of(model):
+    if found := obstacles_of(model) or contradictions(aircraft, model):
         return found
     limits, nonlinearity, step = np.array(model.limits_rad), np.array(model.nonlinearity), np.full(3, STEP_RAD)
     A, B = np.array(model.A), np.array(model.B)
@@ -140,7 +154,7 @@ def refuse_unflyable(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
     if aircraft.analytic is None:
         found, step, smaller = reasons_against(scenario, model), "the reference", ", a smaller reference"
     else:
-        found, step, smaller = reasons_against_any(model), f"a step of {math.degrees(STEP_RAD):g} deg", ""
+        found, step, smaller = reasons_against_any(aircraft, model), f"a step of {math.degrees(STEP_RAD):g} deg", ""
     if found:
         airspeed = model.trim["airspeed"]
         raise InputError(

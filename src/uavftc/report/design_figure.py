@@ -113,17 +113,22 @@ def _authority(ax: Axes, document: dict[str, Any]) -> None:
     ax.set_yticks(range(3), [f"{axis}\n({surface})" for axis, surface in zip(AXES, SURFACES, strict=True)])
     ax.set_ylim(2.6, -0.6)
     ax.grid(False, axis="y")
-    if any(authority[axis] is None for axis in AXES):
+    if all(authority[axis] is None for axis in AXES):
         panels.note(ax, "not every axis answers to its surface")
         return
+    nothing = {"available_rad": 0.0, "first_rad": 0.0, "steady_rad": 0.0}
     has, first, steady = (
-        np.degrees([authority[axis][f"{name}_rad"] for axis in AXES]) for name in ("available", "first", "steady")
+        np.degrees([(authority[axis] or nothing)[f"{name}_rad"] for axis in AXES])
+        for name in ("available", "first", "steady")
     )
     ax.barh(range(3), has, 0.7, color="#dddddd", label="available")
     ax.barh(range(3), first, 0.36, color=BLUE, label="needed at once")
     ax.barh(range(3), steady, 0.36, left=first, color=ORANGE, label="needed to hold the bank")
     widest = min(np.max(np.maximum(has, first + steady)), max(3.0 * np.max(has), 0.1))
     for j, axis in enumerate(AXES):
+        if authority[axis] is None:
+            ax.text(0.0, j, f" no {SURFACES[j]}: left to the airframe", va="center", color="#555555", zorder=5)
+            continue
         ratio, end = authority[axis]["ratio"], min(max(has[j], first[j] + steady[j]), widest)
         colour = BLACK if ratio >= 1.0 else VERMILLION
         ax.text(end, j, f" {times(ratio)}", va="center", fontweight="bold", color=colour, zorder=5)
@@ -138,7 +143,7 @@ def _matrix(ax: Axes, document: dict[str, Any]) -> None:
     share = np.minimum(np.abs(B) / own[:, None], 1.0)
     found = document["controllability"]
     condition = "none" if found["condition"] is None else f"{found['condition']:.3g}"
-    ax.set_title(f"(d) B, 1/s$^2$ per rad: condition {condition}, rank {found['rank']} of 3")
+    ax.set_title(f"(d) B, 1/s$^2$ per rad: condition {condition}, rank {found['rank']} of {found['axes']}")
     ax.set_aspect("auto")
     for i, j in np.ndindex(3, 3):
         colour = GREEN if i == j else SKY

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.report.fleet_table import times
 
@@ -39,14 +40,17 @@ def print_design(console: Console, document: dict[str, Any], *, aside: Console |
 
 def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> None:
     trim, refused = document["trim"], document["verdict"] == "refused"
+    has = [name for name in SURFACES if trim[f"{name}_rad"] is not None]
     line(f"{document['aircraft']}: {document['verdict']}", "bold red" if refused else "bold")
     for reason in document["reasons"]:
         line(f"  {reason}", "red")
+    for text in missing(document):
+        line(f"  {text}")
     console.print(
         _pairs(
             ("trim", f"{trim['airspeed_mps']:g} m/s, {trim['altitude_m']:g} m ({METHODS[trim['method']]})"),
             ("", f"{_attitude(trim)}, throttle {trim['throttle']:.4f}"),
-            ("", "deflections " + ", ".join(f"{name} {_deg(trim[f'{name}_rad'])}" for name in SURFACES) + " deg"),
+            ("", "deflections " + ", ".join(f"{name} {_deg(trim[f'{name}_rad'])}" for name in has) + " deg"),
             ("", f"largest acceleration left {max(map(abs, trim['residual'].values())):.1e} (SI)"),
             ("mass", f"{document['mass_kg']:.6g} kg, {_engines(document['engines'])}"),
         )
@@ -69,17 +73,20 @@ def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> No
     table = _table("", "limits\n[deg]", "step\n[deg]", "at once\n[deg]", "held\n[deg]", "authority\n")
     for j, (axis, surface) in enumerate(zip(AXES, SURFACES, strict=True)):
         found = authority[axis]
-        row = [f"{axis} ({surface})", " .. ".join(_deg(v) for v in limits[j]), _deg(authority["step_rad"][j])]
+        row = [f"{axis} ({surface})"]
+        row += ["-"] * 2 if limits[j] is None else [" .. ".join(map(_deg, limits[j])), _deg(authority["step_rad"][j])]
         if found is None:
             row += ["-"] * 3
         else:
             row += [_deg(found["first_rad"]), _deg(found["steady_rad"]), times(found["ratio"])]
-        table.add_row(*map(Text, row), style="" if found and found["ratio"] >= 1.0 else "red")
+        short = document["controlled"][axis] or refused
+        table.add_row(*map(Text, row), style="red" if short and not (found and found["ratio"] >= 1.0) else "")
     _print_table(console, table)
-    if unknown := [n for n, measured in zip(SURFACES, document["deflection_measured"], strict=True) if not measured]:
+    reported = dict(zip(SURFACES, document["deflection_measured"], strict=True))
+    if unknown := [name for name in has if not reported[name]]:
         line(f"deflection not reported by the aircraft, full command counts as 20 deg: {', '.join(unknown)}")
     condition = controllability["condition"]
-    rank = f"rate loop: rank {controllability['rank']} of 3, condition of B "
+    rank = f"rate loop: rank {controllability['rank']} of {controllability['axes']}, condition of B "
     rank += "-" if condition is None else f"{condition:.4g}"
     line(f"{rank} (at most {controllability['condition_max']:g})")
 
@@ -134,7 +141,8 @@ def _print_flight(line: Line, scenario: str, flown: dict[str, Any]) -> None:
     line(f"\n{scenario} on {flown['plant']}", "bold")
     if not flown["completed"]:
         line(f"ended early: {flown['ended_because']}", "red")
-    line(f"max |x2_tilde| {flown['gamma_0']:.3g} rad/s; max |r| {max(flown['max_r_radps']):.4g} rad/s")
+    largest = max(r for r in flown["max_r_radps"] if r is not None)
+    line(f"max |x2_tilde| {flown['gamma_0']:.3g} rad/s; max |r| {largest:.4g} rad/s")
     for name, found in (flown["reference_system"] or {}).items():
         bound = (flown["bounds"] or {}).get(name)
         against = "" if bound is None else f" (gamma_1 {bound['gamma_1']:.3g})"
@@ -191,8 +199,16 @@ def _cell(value: Any) -> str:
     return ("yes" if value else "no") if isinstance(value, bool) else f"{value:.6g}"
 
 
-def fixed(value: float) -> str:
-    """Return a number with four decimals, zero without a sign."""
+def missing(document: dict[str, Any]) -> list[str]:
+    """Return a line for each axis that the aircraft does not control."""
+    roll, pitch, yaw = (document["controlled"][axis] for axis in AXES)
+    return left_to_the_airframe((roll, pitch, yaw))
+
+
+def fixed(value: float | None) -> str:
+    """Return a number with four decimals, zero without a sign; None is a dash."""
+    if value is None:
+        return "-"
     return f"{round(value, 4) + 0.0:.4f}"
 
 

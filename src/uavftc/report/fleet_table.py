@@ -41,7 +41,8 @@ def line(row: dict[str, Any]) -> str:
     start += f"{'-' if row['span_m'] is None else format(row['span_m'], '.1f'):>7}{row['engines']:>5}"
     trim = f"{row['method']} {row['airspeed_mps']:g} m/s"
     if row["flyable"]:
-        verdict = f"yes ({row['weakest_axis']} {times(row['ratio'])})"
+        lacking = "".join(f", no {surface}" for surface in row["without"])
+        verdict = f"yes ({row['weakest_axis']} {times(row['ratio'])}{lacking})"
     elif row["ratio"] is not None and row["ratio"] < 1.0:
         verdict = f"no: {row['weakest_axis']} has {row['ratio']:.2f} of its need"
     else:

@@ -26,10 +26,11 @@ from uavftc.analysis.l1_condition import (
 )
 from uavftc.control.gains import erzberger_K_0, lyapunov_P, reference_gain
 from uavftc.control.inner import l1
-from uavftc.control.inner.matrices import MAX_CONDITION
+from uavftc.control.inner.matrices import MAX_CONDITION, condition_number
+from uavftc.core.axes import ALL, Controlled, embedded, indices, reduced
 from uavftc.errors import InputError
 from uavftc.jobs.design.reference import flight_document, inner_of, l1_of
-from uavftc.jobs.design.trimmed import design_model, trimmed_sections
+from uavftc.jobs.design.trimmed import design_model, held_axes, trimmed_sections
 from uavftc.plants.jsbsim.model import notes
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
@@ -91,50 +92,64 @@ def design_document(
     model = design_model(source, aircraft)
     document: dict[str, Any] = {
         "aircraft": aircraft.name,
-        **trimmed_sections(source, model),
+        **trimmed_sections(source, aircraft, model),
         "warnings": notes(aircraft, model),
     }
     B_m = np.array(inner.B_m or (aircraft.analytic.B_m if aircraft.analytic else model.B_rates))
-    document |= theory(inner, model.A_rates, B_m, given, omega)
+    document |= theory(inner, model.A_rates, B_m, given, omega, held_axes(model))
     if flight is not None:
         document["flight"] = flight_document(flight)
     return plain(document)
 
 
 def theory(
-    inner: l1.Config, A: np.ndarray, B_m: np.ndarray, given: Given, omega: tuple[float, float, float]
+    inner: l1.Config,
+    A: np.ndarray,
+    B_m: np.ndarray,
+    given: Given,
+    omega: tuple[float, float, float],
+    axes: Controlled = ALL,
 ) -> dict[str, Any]:
-    """Return gains, norms and bounds of an inner loop on a plant x2' = A x2 + B_m u; what has no B_m^-1 is None."""
-    A_m, K_1, Q = np.array(inner.A_m), np.array(inner.K_1), np.array(inner.Q)
+    """Return gains, norms and bounds of an inner loop on a plant x2' = A x2 + B_m u; what has no B_m^-1 is None.
+
+    Where an axis is not controlled, the system is that of the others, and its row and column are None in each matrix.
+    """
+
+    def whole(matrix: np.ndarray | None) -> np.ndarray | None:
+        return None if matrix is None else embedded(matrix, axes, np.nan)
+
+    A, B_m = reduced(A, axes), reduced(B_m, axes)
+    A_m, K_1, Q, K_0 = (reduced(np.array(m), axes) for m in (inner.A_m, inner.K_1, inner.Q, inner.K_0))
     A_s = A_m + K_1
     P = lyapunov_P(A_s, Q)
-    invertible = bool(np.linalg.cond(B_m) < MAX_CONDITION)
+    invertible = condition_number(B_m) < MAX_CONDITION
     K = reference_gain(A_m if inner.reference_gain == "plant" else A_s, B_m) if invertible else None
-    document: dict[str, Any] = {"B_m": B_m, "A_m": A_m, "K_1": K_1, "A_s": A_s, "Q": Q}
+    document: dict[str, Any] = {
+        name: whole(m) for name, m in (("B_m", B_m), ("A_m", A_m), ("K_1", K_1), ("A_s", A_s), ("Q", Q))
+    }
     document |= {
         "reference_gain": inner.reference_gain,
-        "K": K,
-        "K_2": reference_gain(A_s, B_m) if invertible else None,
-        "K_0": np.array(inner.K_0),
-        "K_0_matching_A": erzberger_K_0(A, A_m, B_m) if invertible else None,
-        "P": P,
+        "K": whole(K),
+        "K_2": whole(reference_gain(A_s, B_m) if invertible else None),
+        "K_0": whole(K_0),
+        "K_0_matching_A": whole(erzberger_K_0(A, A_m, B_m) if invertible else None),
+        "P": whole(P),
         "lyapunov_residual": float(np.max(np.abs(A_s.T @ P + P @ A_s + Q))),
         "eigenvalues_A_m": _pairs(A_m),
         "eigenvalues_A_s": _pairs(A_s),
         "adaptation_gain": inner.adaptation_gain,
         "filter_bandwidth": inner.filter_bandwidth,
-        "omega": list(omega),
+        "omega": [factor if own else None for factor, own in zip(omega, axes, strict=True)],
         "l1_norm_accuracy": ACCURACY,
         **given._asdict(),
     }
+    factors = np.array(omega)[indices(axes)]
     for suffix, matrix in (("", A_s), ("_A_m", A_m)):
         if K is None:
             document |= bounds(None, given, suffix, NO_INVERSE)
             continue
         try:
-            norms = norms_of(
-                matrix, A_s=A_s, B_m=B_m, K=K, filter_bandwidth=inner.filter_bandwidth, omega=np.array(omega)
-            )
+            norms = norms_of(matrix, A_s=A_s, B_m=B_m, K=K, filter_bandwidth=inner.filter_bandwidth, omega=factors)
         except ValueError as error:  # A_m need not be stable, A_s is
             document |= bounds(None, given, suffix, str(error))
         else:
@@ -169,7 +184,8 @@ def _theorem_2(A_s: np.ndarray, B_m: np.ndarray, Q: np.ndarray) -> dict[str, Any
     if (own := theorem_2(lyapunov_P(A_s, Q), B_m, Q)) is not None:
         result |= own._asdict() | {"reason": None}
     result["weighted"] = theorem_2_weighted(lyapunov_P(A_s, Q), B_m, Q)._asdict()
-    doubled = theorem_2(lyapunov_P(A_s, 2.0 * np.eye(3)), B_m, 2.0 * np.eye(3))
+    doubled_Q = 2.0 * np.eye(len(A_s))
+    doubled = theorem_2(lyapunov_P(A_s, doubled_Q), B_m, doubled_Q)
     return result | {"with_Q_2I": None if doubled is None else doubled._asdict()}
 
 

@@ -24,7 +24,7 @@ from uavftc.aircraft.definition import STOCK, Aircraft, load_aircraft, stock_nam
 from uavftc.analysis import authority
 from uavftc.config import shipped as resources
 from uavftc.core.cache import cache_folder
-from uavftc.core.signals import AXES
+from uavftc.core.signals import AXES, SURFACES
 from uavftc.errors import InputError
 from uavftc.flight import condition
 from uavftc.jobs.design import trimmed
@@ -123,6 +123,7 @@ def row_of(name: str) -> Row:
         weakest_axis=weakest,
         ratio=float(ratios[weakest]) if weakest and np.isfinite(ratios[weakest]) else None,
         reason="; ".join(reasons) or None,
+        without=[name for name, own in zip(SURFACES, trimmed.held_axes(model), strict=True) if not own],
     )
 
 
@@ -130,7 +131,7 @@ def _row(name: str, *, measured: bool, **known: Any) -> Row:
     row: Row = {
         "aircraft": name, "measured": measured, "mass_kg": None, "span_m": None, "engines": None,
         "trims": False if measured else None, "method": None, "airspeed_mps": None, "altitude_m": None,
-        "flyable": False if measured else None, "weakest_axis": None, "ratio": None, "reason": None,
+        "flyable": False if measured else None, "weakest_axis": None, "ratio": None, "reason": None, "without": [],
     }  # fmt: skip
     return row | known
 

@@ -19,6 +19,7 @@ from uavftc.config.effect import default_kind
 from uavftc.control.gains import reference_gain
 from uavftc.control.inner import l1
 from uavftc.control.inner.predictor import PredictorConfig
+from uavftc.core.axes import indices, reduced
 from uavftc.errors import InputError
 from uavftc.flight.build import Flight, build_flight, rotational_model
 from uavftc.flight.fly import fly_to_memory
@@ -56,9 +57,9 @@ def _flown(flight: Flight) -> dict[str, Any]:
         "completed": outcome.completed,
         "ended_because": outcome.ended_because,
         "rate_hz": flight.scenario.controller.rate_hz,
-        "max_r_radps": np.max(np.abs(records["v1"]), axis=0),
-        "max_x2_tilde_radps": np.max(np.abs(state.x2_tilde), axis=0),
-        "gamma_0": float(np.max(np.abs(state.x2_tilde))),
+        "max_r_radps": _of_controlled(flight, np.max(np.abs(records["v1"]), axis=0)),
+        "max_x2_tilde_radps": (largest := _of_controlled(flight, np.max(np.abs(state.x2_tilde), axis=0))),
+        "gamma_0": float(np.nanmax(largest)),
         "assumptions_not_met": assumptions_not_met(records, flight.scenario.limits_rad()),
         "reference_system": None,
         "bounds": None,
@@ -73,12 +74,19 @@ def _flown(flight: Flight) -> dict[str, Any]:
     return result
 
 
+def _of_controlled(flight: Flight, values: np.ndarray) -> np.ndarray:
+    """Return a value of each axis, nan where it is not controlled."""
+    return np.where(flight.given.axes, values, np.nan)
+
+
 def _reference_system(flight: Flight, records: np.ndarray, state: Replay, observed: dict[str, Any]) -> dict[str, Any]:
     """Return the reference system, printed and with A_m, for a flight on the analytic plant."""
     inner = l1_of(inner_of(flight.scenario), flight.scenario)
     inertia, A_l, B_l = rotational_model(flight.aircraft, flight.model)
-    A_m, B_m, k = np.array(inner.A_m), np.array(inner.B_m), inner.filter_bandwidth
-    A_s = A_m + np.array(inner.K_1)
+    axes, k = flight.given.axes, inner.filter_bandwidth
+    own = indices(axes)
+    A_m, B_m, K_1 = (reduced(np.array(m), axes) for m in (inner.A_m, inner.B_m, inner.K_1))
+    A_s = A_m + K_1
     K_2 = reference_gain(A_s, B_m)
     K = reference_gain(A_m, B_m) if inner.reference_gain == "plant" else K_2
     eta = lumped_disturbance(
@@ -89,7 +97,14 @@ def _reference_system(flight: Flight, records: np.ndarray, state: Replay, observ
         B_l=B_l,
         A_m=A_m,
         B_m=B_m,
+        axes=axes,
     )
+
+    def whole(values: np.ndarray) -> np.ndarray:
+        filled = np.full(3, np.nan)
+        filled[own] = values
+        return filled
+
     systems: dict[str, Any] = {}
     limits: dict[str, Any] | None = None if observed["assumptions_not_met"] else {}
     given = Given(lipschitz=0.0, gamma_0=observed["gamma_0"])
@@ -97,18 +112,19 @@ def _reference_system(flight: Flight, records: np.ndarray, state: Replay, observ
         found = differences(
             records,
             state.v_ad,
-            simulate(records, eta, A=A, B_m=B_m, K=gain, filter_bandwidth=k, v_start=state.v_ad[0]),
+            simulate(records, eta, A=A, B_m=B_m, K=gain, filter_bandwidth=k, v_start=state.v_ad[0], axes=axes),
+            axes,
         )
         largest = float(np.max(found.x2))
         systems[name] = {
-            "max_x_ref_minus_x2_radps": found.x2,
+            "max_x_ref_minus_x2_radps": whole(found.x2),
             "largest_radps": largest,
-            "share_of_max_r": largest / max(float(np.max(observed["max_r_radps"])), 1e-300),
-            "max_v_ref_minus_v_ad_rad": found.v_ad,
+            "share_of_max_r": largest / max(float(np.nanmax(observed["max_r_radps"])), 1e-300),
+            "max_v_ref_minus_v_ad_rad": whole(found.v_ad),
             "largest_rad": float(np.max(found.v_ad)),
         }
         if limits is not None and name != "A_s_K_2":
-            omega = records["effectiveness"][0]
+            omega = records["effectiveness"][0][own]
             bound = theorem_3(norms_of(A, A_s=A_s, B_m=B_m, K=gain, filter_bandwidth=k, omega=omega), given)
             limits[name] = {
                 "gamma_1": bound.gamma_1,
