@@ -7,6 +7,7 @@ import pytest
 
 from uavftc.actuators import effectiveness
 from uavftc.config.values import Signal
+from uavftc.core.layout import OWN_GANGS, targets_of
 from uavftc.core.program import Program
 from uavftc.core.signals import SURFACES, as_records, empty_rows
 
@@ -47,14 +48,24 @@ def test_fault_follows_its_signals_in_time():
 
 
 @pytest.mark.parametrize("surface", SURFACES)
-def test_a_fault_is_prescribed_to_its_axis_and_to_the_effectors_of_its_name(surface):
-    # the history has omega and v_2a of each axis, the law those of each effector: the two must not drift apart
+def test_a_fault_is_prescribed_to_the_effector_of_its_name(surface):
+    # omega as it is written, the bias in rad; no other effector has any of it
     t = np.array([1.0, 2.0])
     records = as_records(empty_rows(2, 4))
     entry = effectiveness.Config(surface=surface, effectiveness=Signal.of("0.1*t"), bias_deg=Signal.of("t"))
-    effectiveness.prescribe(entry, t, records, ("rudder", "aileron", "elevator", "flap"))
-    i, j = SURFACES.index(surface), ("rudder", "aileron", "elevator", "flap").index(surface)
+    names = ("rudder", "aileron", "elevator", "flap")
+    effectiveness.prescribe(entry, t, records, targets_of(names, OWN_GANGS))
+    j = names.index(surface)
     for field, expected in (("effectiveness", 0.1 * t), ("bias", np.radians(t))):
-        np.testing.assert_allclose(records[field][:, i], expected, rtol=1e-15)
-        np.testing.assert_array_equal(records["effectors"][field][:, j], records[field][:, i])
-        assert np.count_nonzero(records[field]) == np.count_nonzero(records["effectors"][field]) == 2
+        np.testing.assert_allclose(records["effectors"][field][:, j], expected, rtol=1e-15)
+        assert np.count_nonzero(records["effectors"][field]) == 2
+
+
+def test_a_bias_of_a_gang_moves_each_member_by_its_weight():
+    # ailerons move against each other: what rolls by 2 deg of aileron is left up and right down
+    records = as_records(empty_rows(1, 2))
+    gangs = {"aileron": {"left": 1.0, "right": -0.5}}
+    entry = effectiveness.Config(surface="aileron", effectiveness=Signal.of(0.3), bias_deg=Signal.of(2.0))
+    effectiveness.prescribe(entry, np.zeros(1), records, targets_of(("left", "right"), gangs))
+    np.testing.assert_array_equal(records["effectors"]["effectiveness"], [[0.3, 0.3]])
+    np.testing.assert_allclose(records["effectors"]["bias"], np.radians([[2.0, -1.0]]), rtol=1e-15)

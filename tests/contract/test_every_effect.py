@@ -182,10 +182,10 @@ def test_a_disturbance_prescribes_the_field_it_names(group: str, effect: ModuleT
     keys = [key for key in effect.Config.model_fields if unit_of(key) and not key.endswith("_s")]
     assert len(keys) == 3
     entry = effect.Config.model_validate({**needed, **dict.fromkeys(keys, 1.0)})
-    effect.prescribe(entry, t, records, given().effectors)
+    effect.prescribe(entry, t, records, given().targets)
     once = records[effect.FIELD].copy()
     assert once.any(axis=0).all()
-    effect.prescribe(entry, t, records, given().effectors)
+    effect.prescribe(entry, t, records, given().targets)
     np.testing.assert_array_equal(records[effect.FIELD], 2.0 * once)  # those that overlap add up
     assert not any(records[name].any() for name in ROW.names if name != effect.FIELD)
 

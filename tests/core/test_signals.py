@@ -52,7 +52,9 @@ def test_a_row_ends_with_one_record_for_each_effector(effectors):
         np.testing.assert_array_equal(records[name], head[name])
     for j in range(effectors):
         for i, name in enumerate(EFFECTOR.names):
-            np.testing.assert_array_equal(records["effectors"][name][:, j], rows[:, ROW_WIDTH + j * 4 + i])
+            np.testing.assert_array_equal(
+                records["effectors"][name][:, j], rows[:, ROW_WIDTH + j * len(EFFECTOR.names) + i]
+            )
 
 
 def test_records_are_the_same_memory():

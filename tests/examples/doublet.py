@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from uavftc.config.values import Model, NonNegative, Number, Positive
+from uavftc.core.layout import Targets
 
 ENTRY_OF = "disturbances"
 FIELD = "d2"
@@ -32,7 +33,7 @@ class Config(Model):
         return self.start_s + self.length_s
 
 
-def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:
     """Add it to d2, rad/s^2, at the times t, s, of the window."""
     first = t < entry.start_s + 0.5 * entry.length_s
     records["d2"][:, 0] += np.radians(np.where(first, entry.peak_degps2, -entry.peak_degps2))

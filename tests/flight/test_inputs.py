@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from uavftc.core.signals import SURFACES, as_records, empty_rows
+from uavftc.aircraft.effectors import mixing_of
+from uavftc.core.layout import Layout
+from uavftc.core.signals import as_records, empty_rows
 from uavftc.flight.build import build_flight
 from uavftc.flight.inputs import Inputs
 from uavftc.scenario.load import load_scenario
@@ -22,7 +24,7 @@ def scenario(**sections):
 def filled(n=4001, x1_trim=(0.0, 0.0, 0.0), first=0, **sections):
     """Return the records of n rows from sample `first` on."""
     records = as_records(empty_rows(n))
-    Inputs(scenario(**sections), np.array(x1_trim), SURFACES).fill(records, first)
+    Inputs(scenario(**sections), np.array(x1_trim)).fill(records, first)
     return records
 
 
@@ -129,7 +131,7 @@ def test_overlapping_disturbances_add_up():
 def test_scenario_3_is_the_papers_table():
     # The faults of section 4 written here once more, from 8 to 12 s; the rudder's 0.2 t is taken literally.
     records = as_records(empty_rows(4001))
-    Inputs(load_scenario("scenario3", plant="analytic"), np.zeros(3), SURFACES).fill(records, 0)
+    Inputs(load_scenario("scenario3", plant="analytic"), np.zeros(3)).fill(records, 0)
     t = np.arange(4001) / RATE
     on = (t >= 8.0) & (t < 12.0)
     assert records["effectiveness"][on][:, 2] == pytest.approx(0.2 * t[on], rel=1e-14)
@@ -153,14 +155,16 @@ def test_expressions_are_evaluated_inside_their_window_only(text):
 def test_a_fault_lands_on_the_effectors_that_belong_to_its_surface():
     # A row holds the fault per axis, which is published, and per effector, which is flown; the order is the aircraft's.
     fault = {"surface": "rudder", "start_s": 0.01, "bias_deg": 3, "effectiveness": 0.2}
-    effectors = ("rudder", "aileron", "rudder", "elevator")
+    effectors = ("upper", "aileron", "lower", "elevator")
+    gangs = {"aileron": {"aileron": 1.0}, "elevator": {"elevator": 1.0}, "rudder": {"upper": 1.0, "lower": 1.0}}
+    layout = Layout(effectors, mixing_of(effectors, gangs), gangs)
     records = as_records(empty_rows(4, len(effectors)))
-    Inputs(scenario(faults=[fault]), np.zeros(3), effectors).fill(records, 0)
+    Inputs(scenario(faults=[fault]), np.zeros(3), layout).fill(records, 0)
     omega, bias = np.where(np.arange(4) < 2, 1.0, 0.2), np.where(np.arange(4) < 2, 0.0, 3 * DEG)
     np.testing.assert_array_equal(records["effectiveness"][:, 2], omega)
     np.testing.assert_allclose(records["bias"][:, 2], bias, rtol=1e-15)
     for j, name in enumerate(effectors):
-        hit = name == "rudder"
+        hit = name in gangs["rudder"]
         np.testing.assert_array_equal(records["effectors"]["effectiveness"][:, j], omega if hit else 1.0)
         np.testing.assert_allclose(records["effectors"]["bias"][:, j], bias if hit else 0.0, rtol=1e-15)
 
@@ -179,7 +183,7 @@ def test_chunks_are_the_whole_to_the_bit():
     }
     whole = filled(**sections)
     rows = empty_rows(4001)
-    inputs = Inputs(scenario(**sections), np.zeros(3), SURFACES)
+    inputs = Inputs(scenario(**sections), np.zeros(3))
     for first, last in ((0, 1), (1, 800), (800, 1601), (1601, 1602), (1602, 4001)):
         inputs.fill(as_records(rows)[first:last], first)
     assert rows.tobytes() == whole.tobytes()
@@ -198,7 +202,6 @@ def test_wind_at_the_start_is_that_of_the_first_sample():
             ],
         ),
         np.zeros(3),
-        SURFACES,
     )
     np.testing.assert_array_equal(inputs.wind_at_start(), [3.0, 1.0, 0.0])
     assert inputs.acts_on("wind_n")
@@ -207,7 +210,7 @@ def test_wind_at_the_start_is_that_of_the_first_sample():
 
 def test_what_is_absent_is_known_to_be_absent():
     # The plant never writes wind or moment that no scenario asks for.
-    quiet = Inputs(scenario(), np.zeros(3), SURFACES)
-    pushed = Inputs(scenario(disturbances=[acceleration(p_degps2=1)]), np.zeros(3), SURFACES)
+    quiet = Inputs(scenario(), np.zeros(3))
+    pushed = Inputs(scenario(disturbances=[acceleration(p_degps2=1)]), np.zeros(3))
     assert [quiet.acts_on(field) for field in ("wind_n", "d1", "d2")] == [False, False, False]
     assert [pushed.acts_on(field) for field in ("wind_n", "d1", "d2")] == [False, False, True]

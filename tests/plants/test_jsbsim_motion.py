@@ -118,8 +118,11 @@ def test_heading_is_continuous_through_whole_turns():
     true = np.concatenate([np.linspace(0.1, 20.0, 300), np.linspace(20.0, -12.0, 400)])
     rows = empty_rows(len(true))
     records = as_records(rows)
-    records["x1"][:, 2] = true % (2.0 * np.pi)
-    Program([bridge.observe_stage.block()]).run(rows, 0, len(rows))
+    state = np.zeros(1, bridge.OBSERVE_STATE)
+    program = Program([bridge.observe_stage.block(state=state)])
+    for k, heading in enumerate(true % (2.0 * np.pi)):
+        state["x1"][0, 2] = heading
+        program.run(rows, k, k + 1)
     np.testing.assert_allclose(records["x1"][:, 2], true, atol=1e-12)
 
 

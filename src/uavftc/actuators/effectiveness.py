@@ -14,7 +14,7 @@ from pydantic import Field
 
 from uavftc.config.values import ZERO, AtLeast, Signal, Window
 from uavftc.core.given import Given
-from uavftc.core.signals import SURFACES
+from uavftc.core.layout import Targets
 from uavftc.core.stage import NOTHING, Block, Stage, law
 
 ENTRY_OF = "faults"
@@ -58,14 +58,11 @@ def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
     return [stage.block(np.zeros(len(given.effectors), PARAMS))] if config else []
 
 
-def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
-    """Write omega and v_2a of the surface at the times t, s, of the window."""
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:
+    """Write omega and v_2a of the effectors at the times t, s, of the window; a bias of a gang by their weights."""
     omega, bias = entry.effectiveness.sample(t), np.radians(entry.bias_deg.sample(t))
-    i = SURFACES.index(entry.surface)
-    records["effectiveness"][:, i], records["bias"][:, i] = omega, bias
-    for j, effector in enumerate(effectors):
-        if effector == entry.surface:
-            records["effectors"]["effectiveness"][:, j], records["effectors"]["bias"][:, j] = omega, bias
+    for j, weight in targets[entry.surface].items():
+        records["effectors"]["effectiveness"][:, j], records["effectors"]["bias"][:, j] = omega, weight * bias
 
 
 def warnings(entry: Config, t: np.ndarray, window: str) -> list[tuple[str, str]]:

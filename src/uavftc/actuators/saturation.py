@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from uavftc.config.values import Model, Number
 from uavftc.core.given import Given
+from uavftc.core.layout import Targets
 from uavftc.core.signals import SURFACES
 from uavftc.core.stage import NOTHING, Block, Stage, law, records_of
 
@@ -83,9 +84,45 @@ def limits_rad(config: Limits | SurfaceLimits | None, effectors: tuple[str, ...]
     return table
 
 
+def effector_limits(config: Limits | SurfaceLimits | None, mixing: np.ndarray, targets: Targets) -> np.ndarray:
+    """Return the limits of each effector about trim, rad, shape (n, 2); inf is none.
+
+    Limits of a gang are those of its members times their weights. One pair for all limits each effector, counted as the
+    first axis that it serves does. Of several limits on an effector the tightest act.
+    """
+    table = np.array([[-np.inf, np.inf]] * len(mixing))
+    if isinstance(config, SurfaceLimits):
+        named = [(targets[name], limits) for name, limits in config if limits is not None]
+    else:
+        signs = {j: -1.0 if row[np.argmax(row != 0.0)] < 0.0 else 1.0 for j, row in enumerate(mixing)}
+        named = [] if config is None else [(signs, config)]
+    for members, limits in named:
+        for j, weight in members.items():
+            low, high = sorted((weight * limits.min_rad, weight * limits.max_rad))
+            table[j] = max(table[j, 0], low), min(table[j, 1], high)
+    return table
+
+
+def axis_limits(limits: np.ndarray, mixing: np.ndarray) -> np.ndarray:
+    """Return within what each axis may be commanded so that no effector meets its limits, rad, shape (3, 2).
+
+    Parameters
+    ----------
+    limits
+        Least and greatest deflection of each effector, shape (n, 2), rad.
+    mixing
+        Deflection of each effector per rad of axis command, shape (n, 3); one axis at a time.
+    """
+    table = np.array([[-np.inf, np.inf]] * 3)
+    for j, i in np.argwhere(mixing != 0.0):
+        low, high = sorted(limits[j] / mixing[j, i])
+        table[i] = max(table[i, 0], low), min(table[i, 1], high)
+    return table
+
+
 def blocks(config: Limits | SurfaceLimits | None, given: Given) -> list[Block]:
     """Return the limits of each effector; none where nothing is limited."""
     if config is None:
         return []
-    low, high = limits_rad(config, given.effectors).T
+    low, high = effector_limits(config, given.mixing, given.targets).T
     return [stage.block(records_of(PARAMS, len(given.effectors), u_min=low, u_max=high))]

@@ -5,7 +5,7 @@ An effect (of the actuators, the sensors, the air, a control law) is one module 
     Config        its keys: a `values.Model`; None if it has none
     its place     one of SECTION, KEYS_IN and ENTRY_OF, see below
     blocks        blocks(config, given) -> list of blocks; empty where it does nothing, so that it costs nothing
-    prescribe     prescribe(entry, t, records, effectors): signals of time that a scenario gives; optional
+    prescribe     prescribe(entry, t, records, targets): signals of time that a scenario gives; optional
     REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
     warnings      warnings(entry, t, window) -> (key, line) of what is allowed and worth knowing about it; optional
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from uavftc.core.axes import ALL, Controlled
+from uavftc.core.layout import OWN_GANGS, Gangs, Targets, targets_of
 
 
 class ControlDesign(NamedTuple):
@@ -47,6 +48,17 @@ class Given(NamedTuple):
     """Effector commands from axis commands, shape (n, 3): deflection = mixing v2."""
     design: ControlDesign
     """What the controller is designed from."""
+    gangs: Gangs = OWN_GANGS
+    """Effectors of each axis and their weights."""
+    trim_rad: np.ndarray | None = None
+    """Deflection of each effector at trim, shape (n,), rad; None is 0."""
+    read: np.ndarray | None = None
+    """Whether the plant reads the position of each effector, shape (n,); None of none."""
+
+    @property
+    def targets(self) -> Targets:
+        """What a fault or a limit may name."""
+        return targets_of(self.effectors, self.gangs)
 
     @property
     def axes(self) -> Controlled:

@@ -59,6 +59,7 @@ EFFECTOR = np.dtype(
         ("deflection", "f8"),  # deflection about trim, from t_k on, rad; each actuator effect works on it in its turn
         ("effectiveness", "f8"),  # omega of eq. (6), given by the scenario
         ("bias", "f8"),  # v_2a of eq. (6), given by the scenario, rad
+        ("position", "f8"),  # deflection with that of the trim, rad: what its command at t_k brings about
     ]
 )
 """One effector at one sample. A row ends with as many of these as the aircraft has effectors."""
@@ -75,11 +76,17 @@ def _described(dtype: np.dtype, name: str) -> tuple[np.dtype, tuple[int, ...]]:
 
 
 class Column(NamedTuple):
-    """One published column of the history: its name with unit, and the row field and component it is taken from."""
+    """One published column of the history: its name with unit, and the row field and component it is taken from.
+
+    With an effector, the field is that of its record, and the column is sign * (offset + field).
+    """
 
     name: str
     field: str
     component: int | None
+    effector: int | None = None
+    sign: float = 1.0
+    offset: float = 0.0
 
 
 def _vector(field: str, names: tuple[str, ...]) -> list[Column]:
@@ -108,7 +115,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("beta_rad", "beta", None),
     Column("throttle", "throttle", None),
 )
-"""Columns of `history.parquet`, in order."""
+"""Columns of every `history.parquet`, in order; those of the effectors of an aircraft follow (`layout.py`)."""
 
 
 def empty_rows(n: int, effectors: int = len(SURFACES)) -> np.ndarray:
@@ -136,7 +143,7 @@ def attitude_error(records: np.ndarray) -> np.ndarray:
     return error
 
 
-def column(records: np.ndarray, name: str) -> np.ndarray:
+def column(records: np.ndarray, wanted: str | Column) -> np.ndarray:
     """Return one published column, shape (n,), heading wrapped to within pi of its reference.
 
     Raises
@@ -144,9 +151,11 @@ def column(records: np.ndarray, name: str) -> np.ndarray:
     KeyError
         If no column has this name.
     """
-    spec = _BY_NAME[name]
-    if name == "psi_rad":
+    spec = _BY_NAME[wanted] if isinstance(wanted, str) else wanted
+    if spec.name == "psi_rad":
         return heading_near_reference(records)
+    if spec.effector is not None:
+        return np.asarray(spec.sign * (spec.offset + records["effectors"][spec.field][:, spec.effector]))
     values = records[spec.field]
     return values if spec.component is None else values[:, spec.component]
 

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from uavftc.config.values import ZERO, Signal, Window
+from uavftc.core.layout import Targets
 
 ENTRY_OF = "disturbances"
 FIELD = "d2"
@@ -24,7 +25,7 @@ class Config(Window):
     """signal: about the body z axis"""
 
 
-def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:
     """Add it to d2, rad/s^2, at the times t, s, of the window."""
     for i, signal in enumerate((entry.p_degps2, entry.q_degps2, entry.r_degps2)):
         records["d2"][:, i] += np.pi / 180.0 * signal.sample(t)

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from uavftc.config.values import ZERO, Signal, Window
+from uavftc.core.layout import Targets
 
 ENTRY_OF = "disturbances"
 FIELD = "d1"
@@ -30,7 +31,7 @@ class Config(Window):
     """signal: added to the rate of heading"""
 
 
-def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:
     """Add it to d1, rad/s, at the times t, s, of the window."""
     for i, signal in enumerate((entry.phi_degps, entry.theta_degps, entry.psi_degps)):
         records["d1"][:, i] += np.pi / 180.0 * signal.sample(t)

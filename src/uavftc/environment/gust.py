@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from uavftc.config.values import Model, NonNegative, Number, Positive
+from uavftc.core.layout import Targets
 from uavftc.environment import air
 
 ENTRY_OF = "disturbances"
@@ -49,7 +50,7 @@ def one_minus_cosine(t: np.ndarray, *, start: float, ramp: float, hold: float) -
     return 0.5 * (1.0 - np.cos(np.pi * np.clip(phase, 0.0, 1.0)))
 
 
-def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:
     """Add it to wind_n, m/s, at the times t, s, of the window."""
     profile = one_minus_cosine(t, start=entry.start_s, ramp=entry.ramp_s, hold=entry.hold_s)
     records["wind_n"] += profile[:, None] * (entry.north_mps, entry.east_mps, entry.down_mps)

@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from uavftc.config.effect import default_kind
 from uavftc.config.values import Model, Problem, refusal
+from uavftc.core.layout import Targets
 from uavftc.environment import air
 
 ENTRY_OF = "disturbances"
@@ -33,5 +34,5 @@ class Config(Model):
         raise refusal([Problem(("kind",), "turbulence, which is not available yet", expected, fix)])
 
 
-def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:
     """Nothing: such an entry never gets here."""

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from uavftc.config.values import ZERO, Signal, Window
+from uavftc.core.layout import Targets
 from uavftc.environment import air
 
 ENTRY_OF = "disturbances"
@@ -25,7 +26,7 @@ class Config(Window):
     """signal: down"""
 
 
-def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, effectors: tuple[str, ...]) -> None:
+def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:
     """Add it to wind_n, m/s, at the times t, s, of the window."""
     for i, signal in enumerate((entry.north_mps, entry.east_mps, entry.down_mps)):
         records["wind_n"][:, i] += signal.sample(t)

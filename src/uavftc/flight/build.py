@@ -12,16 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from uavftc import actuators, sensors
-from uavftc.actuators.saturation import limits_rad
+from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.aircraft.definition import Aircraft, load_aircraft
+from uavftc.aircraft.effectors import mixing_of
 from uavftc.config.effect import Effect, config_of
 from uavftc.control import allocation, uncontrolled
 from uavftc.control.custom.controller import custom_blocks
 from uavftc.core.axes import Controlled
 from uavftc.core.flow import check_flow
 from uavftc.core.given import ControlDesign, Given
+from uavftc.core.layout import Layout, targets_of
 from uavftc.core.program import Program
-from uavftc.core.signals import SURFACES
+from uavftc.core.signals import SURFACES, Column
 from uavftc.core.stage import Block, PythonBlock, params_of
 from uavftc.flight import envelope
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
@@ -52,6 +54,13 @@ class Flight:
     """What its blocks were built from."""
     steps: int
     """Controller steps N; the history has N + 1 rows."""
+    layout: Layout
+    """The effectors of the aircraft."""
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Columns of its history."""
+        return self.layout.columns
 
 
 def build_flight(scenario: Scenario) -> Flight:
@@ -70,9 +79,10 @@ def build_flight(scenario: Scenario) -> Flight:
     scenario = resolved(scenario, aircraft, model)
     check_start(scenario)
     timing = timing_of(scenario)
-    inputs = Inputs(scenario, trim_attitude(model), SURFACES)
+    layout = layout_of(scenario, aircraft, model)
+    inputs = Inputs(scenario, trim_attitude(model), layout)
     plant = make_plant(scenario, aircraft, model, timing, inputs)
-    given = given_of(scenario, aircraft, model, plant, timing, axes)
+    given = given_of(scenario, aircraft, model, plant, timing, axes, layout)
     watch = params_of(
         envelope.PARAMS,
         bank_max=math.radians(scenario.envelope.bank_deg),
@@ -91,7 +101,7 @@ def build_flight(scenario: Scenario) -> Flight:
     plant_step = [allocate, *chain_blocks(actuators.CHAIN, scenario, given), gather, *plant.after()]
     check_flow([*sample, *plant_step])
     program = Program(sample, plant_step, substeps=plant.program_substeps)
-    return Flight(scenario, aircraft, model, plant, program, inputs, watch, given, scenario.steps)
+    return Flight(scenario, aircraft, model, plant, program, inputs, watch, given, scenario.steps, layout)
 
 
 def chain_blocks(chain: Sequence[Effect], scenario: Scenario, given: Given) -> list[Block]:
@@ -117,6 +127,7 @@ def given_of(
     plant: Plant,
     timing: Timing,
     axes: Controlled,
+    layout: Layout,
 ) -> Given:
     """Return the flight as its blocks see it."""
     return Given(
@@ -124,10 +135,33 @@ def given_of(
         plant_step=timing.plant_step,
         steps=scenario.steps,
         seed=scenario.seed,
-        effectors=SURFACES,
+        effectors=layout.names,
         stops_rad=plant.u_limits,
-        mixing=np.eye(3),
-        design=control_design(scenario, aircraft, model, plant, axes),
+        mixing=layout.mixing,
+        design=control_design(scenario, aircraft, model, plant, axes, layout),
+        gangs=layout.gangs,
+        trim_rad=layout.trim_rad,
+        read=layout.read,
+    )
+
+
+def layout_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None) -> Layout:
+    """Return the effectors, as measured at the trim or, where there is no trimmed model, as the companion file has."""
+    if model is None:
+        names = tuple(aircraft.named_effectors())
+        gangs = aircraft.gangs or {name: {name: 1.0} for name in names if name in SURFACES}
+        nothing = np.zeros(len(names))
+        return Layout(names, mixing_of(names, gangs), gangs, nothing, nothing, nothing.astype(bool))
+    effectors = model.effectors
+    flown = scenario.plant == "jsbsim"
+    sign = [math.copysign(1.0, e.position_rad) if flown and e.position is not None else 0.0 for e in effectors]
+    return Layout(
+        names=model.names,
+        mixing=np.array(model.mixing),
+        gangs=model.gangs,
+        trim_rad=np.array([e.trim_rad for e in effectors]),
+        position_sign=np.array(sign),
+        read=np.array([flown and not e.ideal and e.position is not None for e in effectors]),
     )
 
 
@@ -155,7 +189,7 @@ def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing
 
     inertia, A_l, B_m = rotational_model(aircraft, model)
     if model is None:
-        stops = np.array([s.stop_rad or np.inf for s in aircraft.surface_list()])
+        stops = np.array([s.stop_rad or np.inf for s in aircraft.named_effectors().values()])
         return AnalyticPlant(inertia, A_l, B_m, timing, u_limits=np.column_stack([-stops, stops]))
     return AnalyticPlant(
         inertia,
@@ -163,7 +197,7 @@ def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing
         B_m,
         timing,
         x1_trim=trim_attitude(model),
-        u_limits=np.array(model.limits_rad),
+        u_limits=np.array([e.limits_rad for e in model.effectors]),
     )
 
 
@@ -180,7 +214,7 @@ def rotational_model(aircraft: Aircraft, model: TrimmedModel | None) -> tuple[np
 
 
 def control_design(
-    scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant, axes: Controlled
+    scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, plant: Plant, axes: Controlled, layout: Layout
 ) -> ControlDesign:
     """Return what a controller may be designed from: the pair measured at the trim, or the aircraft's."""
     if model is not None:
@@ -188,8 +222,10 @@ def control_design(
     else:
         assert aircraft.analytic is not None  # or there would be a trimmed model
         A, B = np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)
-    commanded, stops = limits_rad(scenario.saturation), plant.u_limits
-    limits = np.column_stack([np.maximum(commanded[:, 0], stops[:, 0]), np.minimum(commanded[:, 1], stops[:, 1])])
+    targets, stops = targets_of(layout.names, layout.gangs), plant.u_limits
+    commanded = effector_limits(scenario.saturation, layout.mixing, targets)
+    each = np.column_stack([np.maximum(commanded[:, 0], stops[:, 0]), np.minimum(commanded[:, 1], stops[:, 1])])
+    limits = axis_limits(each, layout.mixing)
     for j in np.flatnonzero(np.logical_not(axes)):
         B[:, j], limits[j] = 0.0, 0.0
     return ControlDesign(A, B, limits, np.array(plant.x1_trim), aircraft.name, axes)

@@ -11,6 +11,7 @@ import numpy as np
 from uavftc.actuators import CHAIN
 from uavftc.config.effect import config_of
 from uavftc.config.values import window_of
+from uavftc.core.layout import Layout, shares, targets_of
 from uavftc.core.signals import as_records, empty_rows
 from uavftc.environment import KINDS
 from uavftc.scenario.schema import Scenario
@@ -25,21 +26,26 @@ class Inputs:
         The flight.
     x1_trim
         Attitude that references count from, shape (3,), rad.
-    effectors
-        Names of the effectors, in their order in a row.
+    layout
+        The effectors.
     """
 
-    def __init__(self, scenario: Scenario, x1_trim: np.ndarray, effectors: tuple[str, ...]) -> None:
+    def __init__(self, scenario: Scenario, x1_trim: np.ndarray, layout: Layout | None = None) -> None:
+        layout = Layout() if layout is None else layout
         self._rate_hz = scenario.controller.rate_hz
         self._reference = [scenario.reference.phi_deg, scenario.reference.theta_deg, scenario.reference.psi_deg]
         self._x1_trim = x1_trim
-        self._effectors = effectors
+        self._n, self._targets = len(layout.names), targets_of(layout.names, layout.gangs)
+        self._shares = shares(layout.mixing)
+        self._own = self._shares * layout.mixing
         self._entries = [
             (effect, entry)
             for effect in (*CHAIN, *KINDS)
             if hasattr(effect, "prescribe")
             for entry in config_of(effect, scenario)
         ]
+
+        self._on_effectors = any(effect in CHAIN for effect, _ in self._entries)
 
     def fill(self, records: np.ndarray, first: int) -> None:
         """Write time, reference, faults and disturbances of samples `first` ... into records of a row."""
@@ -52,7 +58,15 @@ class Inputs:
         for effect, entry in self._entries:
             window = window_of(entry, t)
             if window.start < window.stop:
-                effect.prescribe(entry, t[window], records[window], self._effectors)
+                effect.prescribe(entry, t[window], records[window], self._targets)
+        if self._on_effectors:
+            self._gather(records)
+
+    def _gather(self, records: np.ndarray) -> None:
+        """Write omega and v_2a of each axis, as its effectors make them up."""
+        for i in np.flatnonzero(self._own.any(axis=0)):
+            records["effectiveness"][:, i] = records["effectors"]["effectiveness"] @ self._own[:, i]
+            records["bias"][:, i] = records["effectors"]["bias"] @ self._shares[:, i]
 
     def acts_on(self, field: str) -> bool:
         """Whether a field of the row, such as `wind_n` or `d2`, is prescribed at any time."""
@@ -60,6 +74,6 @@ class Inputs:
 
     def wind_at_start(self) -> np.ndarray:
         """Return the velocity of the air at t = 0, north-east-down, shape (3,), m/s."""
-        record = as_records(empty_rows(1, len(self._effectors)))
+        record = as_records(empty_rows(1, self._n))
         self.fill(record, 0)
         return record["wind_n"][0].copy()

@@ -6,6 +6,7 @@ recorder may keep them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -20,9 +21,9 @@ class Recorder(Protocol):
         """Take the next rows, shape (n,), dtype `signals.ROW`; nobody changes them any more."""
 
 
-def published(records: np.ndarray) -> dict[str, np.ndarray]:
-    """Return every published column of `records` (dtype `signals.ROW`), name to shape (n,) float64; NaN is missing."""
-    return {c.name: signals.column(records, c.name) for c in signals.COLUMNS}
+def published(records: np.ndarray, columns: Sequence[signals.Column] = signals.COLUMNS) -> dict[str, np.ndarray]:
+    """Return columns of `records` (dtype `signals.row_type`), name to shape (n,) float64; NaN is missing."""
+    return {c.name: signals.column(records, c) for c in columns}
 
 
 class MemoryRecorder:

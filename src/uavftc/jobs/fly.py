@@ -69,7 +69,7 @@ def fly_mission(
         with folder:
             history = folder.path / "history.parquet"
             with (
-                ParquetRecorder(history, metadata) as parquet,
+                ParquetRecorder(history, metadata, flight.columns) as parquet,
                 nullcontext(None) if progress is None else progress(flight.steps + 1) as advance,
                 hold.second_acts() as stopped,
             ):

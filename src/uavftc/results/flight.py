@@ -96,7 +96,7 @@ class FlightResult(NamedTuple):
             ],
             disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
             controlled=controlled_of(self.axes),
-            wind=Inputs(scenario, np.zeros(3), SURFACES).acts_on("wind_n"),
+            wind=Inputs(scenario, np.zeros(3)).acts_on("wind_n"),
         )
 
     def write_history(self, path: Path) -> None:

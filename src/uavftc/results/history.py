@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -19,7 +19,7 @@ METADATA_PREFIX = "uavftc."
 class ParquetRecorder:
     """Streams the published columns to a Parquet file, one row group a chunk, so memory does not grow with the flight.
 
-    Columns are `signals.COLUMNS` as float64; NaN is written as null. Two identical flights give identical bytes.
+    Columns are float64; NaN is written as null. Two identical flights give identical bytes.
 
     Parameters
     ----------
@@ -27,16 +27,21 @@ class ParquetRecorder:
         File to write; an existing one is overwritten.
     metadata
         Text kept in the file's metadata, each key with `uavftc.` before it (scenario, versions, seed).
+    columns
+        What is published: `Flight.columns`, or those of every flight.
     """
 
-    def __init__(self, path: Path, metadata: Mapping[str, str]) -> None:
+    def __init__(
+        self, path: Path, metadata: Mapping[str, str], columns: Sequence[signals.Column] = signals.COLUMNS
+    ) -> None:
         import pyarrow as pa  # noqa: PLC0415  (0.1 s that a flight without --out need not pay)
         import pyarrow.parquet as pq  # noqa: PLC0415
 
+        self._columns = columns
         self._array = pa.array
         self._batch = pa.record_batch
         self._schema = pa.schema(
-            [pa.field(c.name, pa.float64()) for c in signals.COLUMNS],
+            [pa.field(c.name, pa.float64()) for c in columns],
             metadata={METADATA_PREFIX + key: metadata[key] for key in sorted(metadata)},
         )
         # Byte planes of neighbouring doubles are alike: a third smaller and three times faster than a dictionary.
@@ -47,7 +52,7 @@ class ParquetRecorder:
 
     def take(self, records: np.ndarray) -> None:
         """Append the next rows, shape (n,), dtype `signals.ROW`, as one row group."""
-        self.take_columns(published(records))
+        self.take_columns(published(records, self._columns))
 
     def take_columns(self, columns: Mapping[str, np.ndarray]) -> None:
         """Append the next rows, published columns of shape (n,) each, as one row group."""
@@ -83,7 +88,7 @@ def write_history(path: Path, columns: Mapping[str, np.ndarray], metadata: Mappi
     chunk
         Rows of a row group.
     """
-    with ParquetRecorder(path, metadata) as parquet:
+    with ParquetRecorder(path, metadata, [signals.Column(name, "", None) for name in columns]) as parquet:
         for start in range(0, len(columns["time_s"]), chunk):
             parquet.take_columns({name: values[start : start + chunk] for name, values in columns.items()})
 

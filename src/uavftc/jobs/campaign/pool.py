@@ -41,7 +41,7 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     axes = metrics_of(records, completed=outcome.completed, controlled=flight.given.axes)
     trusted = TrustedRange(flight.aircraft.trusted)
     trusted.take(records)
-    history = published(records) if keep_history else None
+    history = published(records, flight.columns) if keep_history else None
     remarks = (*notes_of(flight), *trusted.remarks())
     return FlightResult(flight.scenario, outcome, axes, history, origin, remarks)
 

@@ -1,6 +1,7 @@
 """The bridge between the signal row and JSBSim, in compiled laws; only plain doubles cross it.
 
 `observe` turns what JSBSim reports (feet, heading in [0, 2 pi)) into the row's SI and continuous heading.
+`locate` turns the position that JSBSim reports of an effector into rad.
 `push` turns the row's disturbance and wind into what JSBSim is given.
 `hold_airspeed` holds the airspeed of an aircraft without an autothrottle.
 `command` turns the deflection of one effector into its command, at each frame.
@@ -19,7 +20,22 @@ from uavftc.core.stage import NOTHING, Stage, law
 from uavftc.plants.analytic import VEHICLE
 from uavftc.plants.jsbsim.units import FT_M, LBF_N, SLUGFT2_KGM2
 
-OBSERVE_STATE = np.dtype([("started", "f8"), ("psi", "f8")])  # heading of the previous sample, rad
+RAW_STATE = (
+    ("x1", 3),  # rad, heading in [0, 2 pi)
+    ("x2", 3),  # rad/s
+    ("airspeed", 1),  # ft/s
+    ("altitude", 1),  # ft
+    ("alpha", 1),  # rad
+    ("beta", 1),  # rad
+    ("throttle", 1),
+    ("contact", 1),  # lb
+)
+OBSERVE_STATE = np.dtype(  # heading of the previous sample, rad, and what was read
+    [("started", "f8"), ("psi", "f8"), *((name, "f8", (n,)) if n > 1 else (name, "f8") for name, n in RAW_STATE)]
+)
+
+POSITION_PARAMS = np.dtype([("read", "f8"), ("rad", "f8")])  # 1 where it is read; rad per unit of the property
+POSITION_STATE = np.dtype([("position", "f8")])  # as it was read
 
 PUSH_PARAMS = np.dtype([("J", "f8", (3, 3))])  # kg m^2
 PUSH_STATE = np.dtype([("moment_lbsft", "f8", (3,)), ("wind_fps", "f8", (3,))])
@@ -39,6 +55,8 @@ COMMAND_PARAMS = np.dtype(
     [
         ("trim", "f8"),  # command at trim, in the unit of the command
         ("rad_per_command", "f8"),  # deflection, rad, per unit of command
+        ("least", "f8"),  # command
+        ("greatest", "f8"),  # command
     ]
 )
 COMMAND_STATE = np.dtype([("command", "f8")])  # in its own unit
@@ -46,17 +64,32 @@ COMMAND_STATE = np.dtype([("command", "f8")])  # in its own unit
 
 @law
 def observe(p, s, row):
-    """Convert the raw values in the row to SI, in place, and make the heading continuous."""
-    psi = row.x1[2]
+    """Write what was read into the row, in SI and with a continuous heading."""
+    psi = s.x1[2]
     if s.started != 0.0:
         psi += 2.0 * pi * round((s.psi - psi) / (2.0 * pi))
     s.started = 1.0
     s.psi = psi
+    row.x1[0] = s.x1[0]
+    row.x1[1] = s.x1[1]
     row.x1[2] = psi
-    row.airspeed *= FT_M
-    row.altitude *= FT_M
-    row.height = row.altitude  # the ground is at sea level (trim.place), and a look-up of it costs 0.1 us
-    row.contact *= LBF_N
+    for i in range(3):
+        row.x2[i] = s.x2[i]
+    row.airspeed = s.airspeed * FT_M
+    altitude = s.altitude * FT_M
+    row.altitude = altitude
+    row.height = altitude  # the ground is at sea level (trim.place), and a look-up of it costs 0.1 us
+    row.alpha = s.alpha
+    row.beta = s.beta
+    row.throttle = s.throttle
+    row.contact = s.contact * LBF_N
+
+
+@law
+def locate(p, s, e, row):
+    """Write the position that was read: at t_k, so what the command of the row before has brought about."""
+    if p.read != 0.0:
+        e.position = p.rad * s.position
 
 
 @law
@@ -80,11 +113,13 @@ def hold_airspeed(p, s, row):
 
 @law
 def command(p, s, e, row):
-    """Write the command of the effector into the state."""
-    s.command = p.trim + e.deflection / p.rad_per_command
+    """Write the command of the effector into the state, within its range."""
+    value = p.trim + e.deflection / p.rad_per_command
+    s.command = p.least if value < p.least else (p.greatest if value > p.greatest else value)
 
 
-observe_stage = Stage(observe, NOTHING, OBSERVE_STATE, reads=[], writes=VEHICLE)
+observe_stage = Stage(observe, NOTHING, OBSERVE_STATE, reads=[], writes=[name for name in VEHICLE if name != "wind_n"])
+locate_stage = Stage(locate, POSITION_PARAMS, POSITION_STATE, reads=[], writes=["position"])
 push_stage = Stage(push, PUSH_PARAMS, PUSH_STATE, reads=["d2", "wind_n"], writes=[])
 hold_stage = Stage(hold_airspeed, HOLD_PARAMS, HOLD_STATE, reads=["airspeed"], writes=[])
 command_stage = Stage(command, COMMAND_PARAMS, COMMAND_STATE, reads=["deflection"], writes=[])

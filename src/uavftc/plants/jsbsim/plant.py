@@ -1,16 +1,18 @@
 """JSBSim as a plant: six degrees of freedom, from a trim.
 
-Order within a sample, at t_k: the state is read into the row, the program runs (controller, actuators), the commands
-are written, and JSBSim runs its frames. JSBSim moves first and computes forces after, so a command written at t_k
-moves the surface in the frame that ends at t_k + dt and the body rates in the next: one frame of delay that the
-analytic plant does not have.
+Order within a sample, at t_k: the program runs on the state that was read (controller, actuators), the commands are
+written, JSBSim runs its frames, and the state is read. JSBSim moves first and computes forces after, so a command
+written at t_k moves the surface in the frame that ends at t_k + dt and the body rates in the next: one frame of delay
+that the analytic plant does not have.
+
+Where a surface does not follow its command as a gain does (a servo, a yaw damper, a scheduled gain), its position is
+read with the state. At t_k it is what the command of the row before has brought about, and belongs to that row.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-import struct
 from typing import Any
 
 import jsbsim
@@ -18,15 +20,15 @@ import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
 from uavftc.core.program import Program
-from uavftc.core.signals import ROW
 from uavftc.core.stage import Block, params_of, records_of
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import bridge
 from uavftc.plants.jsbsim.copy import moment_name
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
+from uavftc.plants.jsbsim.positions import Followed
 from uavftc.plants.jsbsim.trim import WIND, Trim, start
-from uavftc.plants.jsbsim.writer import writer
+from uavftc.plants.jsbsim.writer import reader, writer
 
 STATE_PROPERTIES = (
     "attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad",
@@ -34,11 +36,9 @@ STATE_PROPERTIES = (
     "velocities/vt-fps", "position/h-sl-ft",
     "aero/alpha-rad", "aero/beta-rad",
 )  # fmt: skip
-"""In the order of the row from `x1` on; the throttle follows, as the aircraft names it, and the ground's force."""
+"""In the order of `bridge.RAW_STATE`; the throttle follows, as the aircraft names it, and the ground's force."""
 CONTACT = "forces/fbz-gear-lbs"
 
-_OFFSET = ROW.fields["x1"][1]  # type: ignore[index]
-_READ = struct.Struct(f"{len(STATE_PROPERTIES) + 2}d")
 INTEGRATORS = {
     "simulation/integrator/rate/rotational": 4,
     "simulation/integrator/rate/translational": 3,
@@ -89,7 +89,7 @@ class JSBSimPlant:
         self.fdm = fdm = initialised(aircraft, timing.plant_step)
         start(fdm, aircraft, trim, wind_n, integrators)
         self.x1_trim = np.array([trim.phi, trim.theta, 0.0])
-        self.u_limits = np.array(model.limits_rad)
+        self.u_limits = np.array([e.limits_rad for e in model.effectors])
         self.program_substeps = 1
         self.settings: dict[str, Any] = {
             "step_s": timing.plant_step,
@@ -114,7 +114,14 @@ class JSBSimPlant:
         commands, rest = self._out[:n].view(bridge.COMMAND_STATE), self._out[n:]
         hold, push = rest[:2].view(bridge.HOLD_STATE), rest[2:].view(bridge.PUSH_STATE)
         self._command = bridge.command_stage.block(
-            records_of(bridge.COMMAND_PARAMS, n, trim=trim.surfaces, rad_per_command=model.rad_per_command),
+            records_of(
+                bridge.COMMAND_PARAMS,
+                n,
+                trim=trim.surfaces,
+                rad_per_command=[e.rad_per_command for e in model.effectors],
+                least=[e.commands[0] for e in model.effectors],
+                greatest=[e.commands[1] for e in model.effectors],
+            ),
             commands,
             name="command",
         )
@@ -131,22 +138,32 @@ class JSBSimPlant:
             name="airspeed hold",
         )
         self._push = bridge.push_stage.block(params_of(bridge.PUSH_PARAMS, J=model.inertia_kgm2), push, name="push")
-        self._observe = bridge.observe_stage.block(name="observe")
+        # and so is everything read from it
+        self._in = np.zeros(bridge.OBSERVE_STATE.itemsize // 8 + n)
+        state, positions = self._in[:-n].view(bridge.OBSERVE_STATE), self._in[-n:].view(bridge.POSITION_STATE)
+        self._observe = bridge.observe_stage.block(state=state, name="observe")
+        self._followed = Followed(model)
+        rad = [e.position_rad for e in model.effectors]
+        self._locate = bridge.locate_stage.block(
+            records_of(bridge.POSITION_PARAMS, n, read=self._followed.read.astype(float), rad=rad), positions
+        )
         self._frames = timing.substeps
         self._pushes = has_wind or has_moment
-        self._bind(aircraft, model.engines, has_wind=has_wind, has_moment=has_moment, holds=holds)
+        self._bind(aircraft, model, has_wind=has_wind, has_moment=has_moment, holds=holds)
 
-    def _bind(self, aircraft: Aircraft, engines: int, *, has_wind: bool, has_moment: bool, holds: bool) -> None:
+    def _bind(self, aircraft: Aircraft, model: TrimmedModel, *, has_wind: bool, has_moment: bool, holds: bool) -> None:
         """Look every property up once; a bound accessor costs a tenth of a look-up."""
         node = functools.partial(_node, self.fdm)
-        throttles = aircraft.throttle_commands(engines)
+        throttles = aircraft.throttle_commands(model.engines)
         position = "fcs/throttle-pos-norm[0]"
         if aircraft.throttle is not None:
             position = (aircraft.throttle.position or aircraft.throttle.command)[0]
         throttle = node(position).get_double_value if throttles else lambda: math.nan
-        self._get = [node(name).get_double_value for name in STATE_PROPERTIES]
-        self._get += [throttle, node(CONTACT).get_double_value]
-        surfaces = [[node(s.command).set_double_value] for s in aircraft.surface_list()]
+        get = [node(name).get_double_value for name in STATE_PROPERTIES]
+        read = zip(self._followed.read, model.effectors, strict=True)
+        positions = [node(e.position or "").get_double_value if follows else None for follows, e in read]
+        self._read = reader(self._in[2:], [*get, throttle, node(CONTACT).get_double_value, *positions])
+        surfaces = [[node(e.command).set_double_value] for e in model.effectors]
         held = [[node(name).set_double_value for name in throttles] if holds else [], []]  # throttle, its integral
         moment, wind = [], []
         if has_moment:
@@ -161,7 +178,8 @@ class JSBSimPlant:
 
     def before(self) -> list[Block]:
         """Return the blocks that convert what was read, and prepare what is written once a sample."""
-        return [self._observe, self._hold, *([self._push] if self._pushes else [])]
+        located = [self._locate] if self._followed.any else []
+        return [self._observe, *located, self._hold, *([self._push] if self._pushes else [])]
 
     def after(self) -> list[Block]:
         """Return the block that prepares what is written at each frame."""
@@ -169,26 +187,35 @@ class JSBSimPlant:
 
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
-        step, frame, pack = program.on(rows), self.fdm.run, _READ.pack_into
+        self._read()
+        done = self._fly(program, rows, first, last)
+        if self._followed.any:
+            self._followed.take(rows, first, done, self._in[len(self._in) - len(self.u_limits) :])
+        return done
+
+    def _fly(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
+        step, frame, read = program.on(rows), self.fdm.run, self._read
         write, write_surfaces = self._write, self._write_surfaces
-        buffer, stride = rows.data.cast("B"), rows.strides[0]
-        phi, theta, psi, p, q, r, v, h, alpha, beta, throttle, contact = self._get
-        more = range(1, self._frames)
-        again = program.again(rows) if more else None
+        if self._frames == 1:
+            for k in range(first, last):
+                if step(k, k + 1) == k:
+                    return k
+                write()
+                frame()
+                read()
+            return last
+        again, more = program.again(rows), range(1, self._frames)
         for k in range(first, last):
-            pack(
-                buffer, k * stride + _OFFSET,
-                phi(), theta(), psi(), p(), q(), r(), v(), h(), alpha(), beta(), throttle(), contact(),
-            )  # fmt: skip
             if step(k, k + 1) == k:
                 return k
             write()
             frame()
             for _ in more:
-                if not again(k):  # type: ignore[misc]  # there is one where there are more frames
+                if not again(k):
                     return k
                 write_surfaces()
                 frame()
+            read()
         return last
 
 

@@ -1,4 +1,4 @@
-"""Doubles from one piece of memory into properties, without a loop (it costs 0.5 us a frame more)."""
+"""Doubles between one piece of memory and properties, without a loop (it costs 0.5 us a frame more)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 Setter = Callable[[float], object]
+Getter = Callable[[], float]
 
 
 def writer(memory: np.ndarray, setters: Sequence[Sequence[Setter]]) -> Callable[[], None]:
@@ -26,3 +27,17 @@ def writer(memory: np.ndarray, setters: Sequence[Sequence[Setter]]) -> Callable[
     exec(source, scope)
     unpack = struct.Struct(f"{len(setters)}d").unpack_from
     return scope["make"](unpack, memory.data.cast("B"), *(setter for _, _, setter in calls))
+
+
+def reader(memory: np.ndarray, getters: Sequence[Getter | None]) -> Callable[[], None]:
+    """Return a function that fetches the i-th double of `memory` from `getters[i]`, or leaves 0 where that is None.
+
+    Its body is written out for so many: ``pack(memory, 0, f0(), f1(), ...)``.
+    """
+    called = {f"f{i}": getter for i, getter in enumerate(getters) if getter is not None}
+    values = ", ".join(f"f{i}()" if getter is not None else "0.0" for i, getter in enumerate(getters))
+    names = ["pack", "memory", *called]
+    source = f"def make({', '.join(names)}):\n def read():\n  pack(memory, 0, {values})\n return read\n"
+    scope: dict[str, Callable[..., Callable[[], None]]] = {}
+    exec(source, scope)
+    return scope["make"](struct.Struct(f"{len(getters)}d").pack_into, memory.data.cast("B"), *called.values())

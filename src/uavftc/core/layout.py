@@ -1,0 +1,70 @@
+"""The effectors of an aircraft: their order in a row, how they serve the axes, and what is published of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from uavftc.core.signals import COLUMNS, SURFACES, Column
+
+Gangs = Mapping[str, Mapping[str, float]]
+"""The effectors of each axis, by the name of its surface, and the weight of each."""
+
+Targets = Mapping[str, Mapping[int, float]]
+"""What a fault or a limit may name: an effector or a gang, with the places of its effectors and the weight of each."""
+
+OWN_GANGS: Gangs = MappingProxyType({name: MappingProxyType({name: 1.0}) for name in SURFACES})
+"""One surface an axis."""
+
+
+class Layout(NamedTuple):
+    """Effectors, in their order in a row; n of them, SI and radians."""
+
+    names: tuple[str, ...] = SURFACES
+    mixing: np.ndarray = np.eye(3)
+    """Deflection of each effector per rad of axis command, shape (n, 3)."""
+    gangs: Gangs = OWN_GANGS
+    trim_rad: np.ndarray = np.zeros(3)
+    """Deflection at trim, shape (n,)."""
+    position_sign: np.ndarray = np.ones(3)
+    """Of the position that the aircraft reports, per deflection, shape (n,); 0 where it reports none."""
+    read: np.ndarray = np.zeros(3, dtype=bool)
+    """Whether the plant reads the position in flight; else it is trim + deflection, shape (n,)."""
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Columns of the history of this aircraft: the common ones, and those of its effectors.
+
+        Of an effector that has the name of an axis' surface, the position is published where it reports one; of any
+        other its command and its position, trim included, counted as the aircraft counts them.
+        """
+        own = []
+        for j, name in enumerate(self.names):
+            sign = self.position_sign[j] or 1.0
+            if name not in SURFACES:
+                own.append(Column(f"{name}_cmd_rad", "command", None, j, sign, float(self.trim_rad[j])))
+                own.append(Column(f"{name}_rad", "position", None, j, sign))
+            elif self.position_sign[j]:
+                own.append(Column(f"{name}_position_rad", "position", None, j, sign))
+        return (*COLUMNS, *own)
+
+
+def targets_of(names: Sequence[str], gangs: Gangs) -> Targets:
+    """Return what a fault or a limit may name; a gang goes before an effector of the same name."""
+    own = {name: {j: 1.0} for j, name in enumerate(names)}
+    return own | {gang: {names.index(name): w for name, w in members.items()} for gang, members in gangs.items()}
+
+
+def shares(mixing: np.ndarray) -> np.ndarray:
+    """Return what each axis gets per deflection of each effector, shape (n, 3): the transposed pseudo-inverse.
+
+    Exact where no effector serves two axes, and where what they give to one cancels in the other.
+    """
+    gram = mixing.T @ mixing
+    size = np.diag(gram)
+    if np.array_equal(gram, np.diag(size)):
+        return np.divide(mixing, size, out=np.zeros_like(mixing, dtype=float), where=size > 0.0)
+    return np.linalg.pinv(mixing).T
