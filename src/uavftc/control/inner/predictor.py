@@ -114,7 +114,8 @@ class PredictorConfig(Model):
     Q: Matrix3 = IDENTITY
     """3x3, symmetric positive definite, right side of the Lyapunov equation for P"""
     B_m: Matrix3 | None = None
-    """3x3, 1/s^2, invertible (condition number below 1e8); `null` is the aircraft's"""
+    """3x3, 1/s^2, invertible (condition number below 1e8); `null` is the aircraft's. A column of zeros is an axis that
+    the aircraft does not control"""
     K_0: Matrix3 = ZEROS
     """3x3, s, v2 = -K_0^T x2 + v_ad"""
     effectiveness_bounds: Annotated[tuple[Number, Number], list_of(2, BOUNDS), AfterValidator(_bounds)] = (0.1, 2.0)
