@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from uavftc.analysis.authority import COUPLING_MAX, NONLINEAR_MAX, RESPONSE_MIN, authority, obstacles
+from uavftc.analysis.authority import (
+    COUPLING_MAX,
+    NONLINEAR_MAX,
+    RESPONSE_MIN,
+    authority,
+    can_be_held,
+    controlled_axes,
+    obstacles,
+)
 
 B_OWN = np.array([10.0, 7.5, 5.0])  # 1/s^2 per rad
 LIMITS = np.array([[-0.3, 0.4], [-0.5, 0.2], [-0.4, 0.4]])  # rad
@@ -139,3 +147,59 @@ def test_what_does_not_respond_is_reported_alone():
         "no small-signal aileron response",
         "no small-signal elevator response",
     ]
+
+
+WITHOUT = {"aileron": (False, True, True), "rudder": (True, True, False)}
+
+
+@pytest.mark.parametrize(("surface", "axes"), WITHOUT.items())
+def test_an_axis_without_a_surface_is_left_out(surface, axes):
+    # B with a column of zeros has no inverse: what is demanded of the others is their own part's, and of it nothing
+    A, B = plane(coupling=1.0)
+    B[:, np.logical_not(axes)] = 0.0
+    assert controlled_axes(B[3:], LIMITS) == axes
+    found = authority(A, B, LIMITS, **DESIGN, axes=axes)
+    own = np.flatnonzero(axes)
+    part = np.ix_(own, own)
+    asked = (A_M * (DESIGN["bandwidth"] * DESIGN["step"]))[part]
+    np.testing.assert_allclose(found.first[own], np.abs(np.linalg.inv(B[3:][part]) @ asked).max(axis=1), rtol=1e-12)
+    for values in (found.first, found.steady, found.available, found.ratio):
+        np.testing.assert_array_equal(np.isnan(values), np.logical_not(axes))
+    assert obstacles(B[3:], LIMITS, np.where(axes, 0.0, np.nan), found.ratio) == []
+
+
+def test_without_ailerons_no_bank_is_held():
+    A, B = plane()
+    B[:, 0] = 0.0
+    found = authority(A, B, LIMITS, **DESIGN, axes=WITHOUT["aileron"])
+    assert found.beta == 0.0
+    np.testing.assert_array_equal(found.steady[1:], 0.0)
+
+
+def test_without_a_rudder_the_bank_is_a_turn():
+    # At the reported sideslip and deflections there is one r for which side force and all three moments balance.
+    A, B = plane(coupling=1.5)
+    A[4, 6], A[[5, 2, 6], 6], A[6, 5], A[7, 6] = -1.0, [0.8, 0.1, -0.5], -0.3, 0.05
+    B[:, 2] = 0.0
+    found = authority(A, B, LIMITS, **DESIGN, axes=WITHOUT["rudder"])
+    r = Y_PHI * np.radians(5.0) + Y_BETA * found.beta
+    rates = A[[5, 2, 6], 6] - 0.05 * A[[5, 2, 6], 5]
+    left = np.array(list(N_BETA.values())) * found.beta + rates * r + B[3:, :2] @ found.steady[:2]
+    np.testing.assert_allclose(left, 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("axes", "held"),
+    [((True, True, True), True), ((True, True, False), True), ((False, True, True), True),
+     ((True, False, True), False), ((False, True, False), False), ((False, False, False), False)],
+)  # fmt: skip
+def test_pitch_and_a_lateral_axis_hold_an_attitude(axes, held):
+    assert can_be_held(axes) is held
+
+
+def test_the_least_response_is_at_full_deflection_or_at_1_rad_without_a_stop():
+    B = np.diag([1.0, 1.0, 1.01 * RESPONSE_MIN])
+    unlimited = np.array([[-np.inf, np.inf]] * 3)
+    assert controlled_axes(B, unlimited) == (True, True, True)
+    assert controlled_axes(0.98 * B, unlimited) == (True, True, False)
+    assert controlled_axes(B, LIMITS) == (True, True, False)  # 0.4 rad of it

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG, INTEGRALS, Metrics, metrics_of
+from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG, INTEGRALS, Metrics, controlled_of, metrics_of
 from uavftc.core.signals import AXES, as_records, empty_rows
 
 BAND = np.radians(CONVERGENCE_BAND_DEG)
@@ -187,3 +187,15 @@ def test_taking_leaves_the_rows_alone():
     before = WHOLE.copy()
     metrics_of(WHOLE)
     np.testing.assert_array_equal(WHOLE, before)
+
+
+def test_an_axis_that_is_not_controlled_has_no_metric():
+    # and the others are what they are without it
+    records = flight(0.1 * np.exp(-np.arange(200) / RATE), v2=0.0)
+    axes = metrics_of(records, controlled=(True, True, False))
+    assert set(axes["yaw"].values()) == {None}
+    assert {axis: axes[axis] for axis in AXES[:2]} == {axis: metrics_of(records)[axis] for axis in AXES[:2]}
+    assert controlled_of(axes) == (True, True, False)
+    assert controlled_of(metrics_of(records)) == (True, True, True)
+    lost_at_once = metrics_of(records[:1], completed=False)
+    assert controlled_of(lost_at_once) == (True, True, True)  # nothing was flown: no axis is missing for that
