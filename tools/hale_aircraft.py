@@ -154,7 +154,9 @@ P_HAT = ("aero/bi2vel", "velocities/p-aero-rad_sec")  # b p / 2V
 Q_HAT = ("aero/ci2vel", "velocities/q-aero-rad_sec")  # c q / 2V
 R_HAT = ("aero/bi2vel", "velocities/r-aero-rad_sec")  # b r / 2V
 ALPHA, BETA = "aero/alpha-rad", "aero/beta-rad"
-AILERON, ELEVATOR, RUDDER = "fcs/left-aileron-pos-rad", "fcs/elevator-pos-rad", "fcs/rudder-pos-rad"
+ELEVATOR, RUDDER = "fcs/elevator-pos-rad", "fcs/rudder-pos-rad"
+SIDES = {"left": 1.0, "right": -1.0}  # what a positive deflection, trailing edge down on the right, does to the roll
+AILERONS = "<sum>" + "".join(f"<property>aero/moment/{side}-aileron</property>" for side in SIDES) + "</sum>"
 
 
 def control_derivatives(dynamic_pressure: float) -> np.ndarray:
@@ -236,7 +238,7 @@ def coefficients() -> list[Coefficient]:
             (*QSB, *R_HAT),
             f"lifting line: {wing.roll_due_to_yaw:.3f} CL (elliptic: CL/4), at the trim CL",
         ),
-        Coefficient("Cl_da", control[0, 0], "/rad", "ROLL", (*QSB, AILERON), printed),
+        Coefficient("Cl_da", control[0, 0], "/rad", "ROLL", (AILERONS,), printed),
         Coefficient("Cl_dr", control[0, 2], "/rad", "ROLL", (*QSB, RUDDER), printed),
         Coefficient(
             "Cm_alpha",
@@ -270,7 +272,7 @@ def coefficients() -> list[Coefficient]:
             (*QSB, *R_HAT),
             "fin: 2 CY_beta (l_v / b)^2; wing: profile drag of the faster half, strip theory",
         ),
-        Coefficient("Cn_da", control[2, 0], "/rad", "YAW", (*QSB, AILERON), printed),
+        Coefficient("Cn_da", control[2, 0], "/rad", "YAW", (AILERONS,), printed),
         Coefficient("Cn_dr", control[2, 2], "/rad", "YAW", (*QSB, RUDDER), printed),
     ]
 
@@ -298,7 +300,7 @@ def number(value: float) -> str:
 
 def function_xml(coefficient: Coefficient, lift: list[str]) -> str:
     """One aerodynamic contribution; `lift` is the XML of the lift coefficient's terms, whose sum the drag squares."""
-    factors = [f"<property>{name}</property>" for name in coefficient.factors]
+    factors = [name if name == AILERONS else f"<property>{name}</property>" for name in coefficient.factors]
     factors.append(f"<value>{number(coefficient.value)}</value>")
     if coefficient.symbol == "k":
         factors += ["<pow>", "  <sum>", *(f"    {term}" for term in lift), "  </sum>", "  <value>2</value>", "</pow>"]
@@ -315,15 +317,30 @@ def function_xml(coefficient: Coefficient, lift: list[str]) -> str:
 """
 
 
+def aileron_xml(side: str, sign: float) -> str:
+    """The part of one aileron, per unit of Cl_da and Cn_da: half of q S b times its deflection.
+
+    Outside the axes, so that the two are added first: an aileron of twice half the effect flies the same to the bit.
+    """
+    factors = "".join(f"        <property>{name}</property>\n" for name in (*QSB, f"fcs/{side}-aileron-pos-rad"))
+    return f"""\
+    <function name="aero/moment/{side}-aileron"> <!-- lb ft per unit of Cl_da and Cn_da -->
+      <product>
+{factors}        <value>{number(0.5 * sign)}</value>
+      </product>
+    </function>
+"""
+
+
 def aerodynamics_xml() -> str:
-    """The aerodynamics section, axis by axis."""
+    """The aerodynamics section: the two ailerons, then axis by axis."""
     table = coefficients()
     value = {c.symbol: number(c.value) for c in table}
     lift = [
         f"<value>{value['CL_0']}</value>",
         f"<product><value>{value['CL_alpha']}</value><property>{ALPHA}</property></product>",
     ]
-    axes = ""
+    axes = "".join(aileron_xml(*side) for side in SIDES.items())
     for axis, (_, note) in AXES.items():
         functions = "".join(function_xml(c, lift) for c in table if c.axis == axis)
         axes += f'    <axis name="{axis}"> <!-- {note} -->\n{functions}    </axis>\n'
@@ -376,7 +393,7 @@ def engine_xml(side: float, sense: int) -> str:
 """
 
 
-SURFACES = (("aileron", "roll", AILERON), ("elevator", "pitch", ELEVATOR), ("rudder", "yaw", RUDDER))
+SURFACES = (("elevator", "pitch", ELEVATOR), ("rudder", "yaw", RUDDER))
 
 
 def surface_xml(name: str, trim: str, output: str) -> str:
@@ -397,11 +414,33 @@ def surface_xml(name: str, trim: str, output: str) -> str:
 """
 
 
+def ailerons_xml() -> str:
+    """The two ailerons: the command of each, and the stick and the trim command, which move them against each other."""
+    stop = number(SURFACE_STOP)
+    text = "".join(f'    <property value="0">fcs/{side}-aileron-cmd-norm</property>\n' for side in SIDES)
+    text += '    <channel name="aileron">\n'
+    for side, sign in SIDES.items():
+        minus = "-" if sign < 0.0 else ""
+        text += f"""\
+      <summer name="fcs/{side}-aileron-sum">
+        <input>fcs/{side}-aileron-cmd-norm</input>
+        <input>{minus}fcs/aileron-cmd-norm</input>
+        <input>{minus}fcs/roll-trim-cmd-norm</input>
+      </summer>
+      <actuator name="fcs/{side}-aileron-actuator"> <!-- no lag: its malfunction properties and its stop only -->
+        <input>fcs/{side}-aileron-sum</input>
+        <clipto><min>-{stop}</min><max>{stop}</max></clipto>
+        <output>fcs/{side}-aileron-pos-rad</output>
+      </actuator>
+"""
+    return text + "    </channel>\n"
+
+
 def aircraft_xml() -> str:
     """hale.xml."""
     inertia = J / SLUG_FT2
     printed = ", ".join(number(x) for x in (J[0, 0], J[1, 1], J[2, 2], J[0, 2]))
-    surfaces = "".join(surface_xml(*s) for s in SURFACES)
+    surfaces = ailerons_xml() + "".join(surface_xml(*s) for s in SURFACES)
     return f"""\
 {HEADER}<fdm_config name="hale" version="2.0" release="PRODUCTION">
   <fileheader>
@@ -460,7 +499,8 @@ def aircraft_xml() -> str:
   <system file="hale_autothrottle"/>
 
   <!-- The surface commands and trim commands are in radians, whatever their "norm" says; positive gives a positive
-       moment about its axis: aileron rolls right, elevator pitches up, rudder yaws right. -->
+       moment about its axis: aileron rolls right, elevator pitches up, rudder yaws right. Each aileron has its command;
+       fcs/aileron-cmd-norm is the stick, added to the left one and taken from the right one. -->
   <flight_control name="surfaces">
 {surfaces}  </flight_control>
 
@@ -502,7 +542,8 @@ def autothrottle_xml() -> str:
     """systems/hale_autothrottle.xml."""
     return f"""\
 {HEADER}<!--
-  PI on true airspeed, added to the base throttle fcs/throttle-cmd-norm[0], which drives both motors.
+  PI on true airspeed, added to the base throttle of each motor, fcs/throttle-cmd-norm[0] (left) and [1] (right). The
+  integral rests while the left throttle is at its end.
     ap/at-on        0 off, the base throttle passes; 1 on
     ap/vt-set-fps   airspeed to hold, ft/s
   Gains chosen: 0.15 per ft/s moves half the throttle for 1 m/s; the integral, 0.05 per ft, takes over in 3 s.
@@ -548,6 +589,11 @@ def autothrottle_xml() -> str:
       <input>ap/at-gate</input>
       <clipto><min>0</min><max>1</max></clipto>
       <output>fcs/throttle-pos-norm[0]</output>
+    </summer>
+    <summer name="ap/at-throttle-right">
+      <input>fcs/throttle-cmd-norm[1]</input>
+      <input>ap/at-gate</input>
+      <clipto><min>0</min><max>1</max></clipto>
       <output>fcs/throttle-pos-norm[1]</output>
     </summer>
   </channel>

@@ -31,7 +31,7 @@ TYPOS = {
         "nothing in <property>",
         "write a value",
     ),
-    "function": ("hale.xml", "function", "functoin", "<functoin> as a child of <axis>", "<function>"),
+    "function": ("hale.xml", "function", "functoin", "<functoin> as a child of <aerodynamics>", "<function>"),
     "axis": ("hale.xml", "axis", "axes", "<axes> as a child of <aerodynamics>", "<axis>"),
     "clipto": ("hale.xml", "clipto", "clipt", "<clipt> as a child of <actuator>", "<clipto>"),
     "limit of clipto": (AUTO, "<min>0</min>", "<mim>0</mim>", "<mim> as a child of <clipto>", "<min>"),
@@ -185,9 +185,9 @@ def test_an_aircraft_without_roll_control_is_refused_in_spite_of_its_analytic_mo
 def test_a_surface_that_moves_nothing_is_refused_in_spite_of_an_analytic_model(surface, edited):
     # Its channel ends at a property of another name, so the position that JSBSim itself has stays at zero.
     # Without its elevator there is no trim, which is refused before.
-    position = {"aileron": "left-aileron", "rudder": "rudder"}[surface]
-    output = f"<output>fcs/{position}-pos-rad</output>"
-    folder = edited("hale.xml", (output, output.replace("pos-rad", "elsewhere")))
+    positions = {"aileron": ("left-aileron", "right-aileron"), "rudder": ("rudder",)}[surface]
+    outputs = [f"<output>fcs/{position}-pos-rad</output>" for position in positions]
+    folder = edited("hale.xml", *((output, output.replace("pos-rad", "elsewhere")) for output in outputs))
     with pytest.raises(InputError, match=f"no small-signal {surface} response: 0 rad/s"):
         flown("scenario1", "jsbsim", None, (f"aircraft={folder}", "duration_s=1"))
 
