@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from uavftc.config.values import Window
+from uavftc.config.values import SurfaceName, Window
 from uavftc.core.given import Given
 from uavftc.core.stage import Block, Stage, law, records_of
 
@@ -23,7 +23,7 @@ class Config(Window):
     """A surface that stays where it is, on [start_s, end_s)."""
 
     kind: Literal["stuck"] = "stuck"
-    surface: Literal["aileron", "elevator", "rudder"]
+    surface: SurfaceName
     """which one"""
 
 
@@ -44,8 +44,8 @@ def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
 
 
 def block_of(entry: Config, given: Given, name: str) -> Block:
-    """Return the block of one fault."""
-    hit = np.array([effector == entry.surface for effector in given.effectors])
+    """Return the block of one fault; of a gang all effectors are stuck."""
+    hit = np.array([j in given.targets[entry.surface] for j in range(len(given.effectors))])
     start = np.where(hit, entry.start_s, np.inf)
     end = np.full(len(hit), np.inf if entry.end_s is None else entry.end_s)
     return stage.block(records_of(PARAMS, len(hit), start=start, end=end), name=name)

@@ -140,17 +140,13 @@ REFUSED = [
     ("saturation: {min_rad: 0.1, max_rad: 0.2}", 3, "saturation.min_rad", ["at most 0, rad"]),
     ("saturation: {min_rad: -0.2, max_rad: -0.1}", 3, "saturation.max_rad", ["min <= 0 <= max"]),
     ("saturation: {min_rad: 0, max_rad: 0}", 3, "saturation.max_rad", ["min < max"]),
-    (
-        "saturation: {flap: {min_rad: -1, max_rad: 1}, rudder: null}",
-        3,
-        "saturation.flap",
-        ["aileron, elevator, rudder"],
-    ),
+    ("saturation: {flap: {min_rad: 0.1, max_rad: 1}, rudder: null}", 3, "saturation.flap.min_rad", ["at most 0, rad"]),
     ("saturation: {rudder: {min_rad: -1, max_rad: 1, max: 1}}", 3, "saturation.rudder.max", ["did you mean max_rad?"]),
     ("faults: 5", 3, "faults", ["a list"]),
     ("faults: [5]", 3, "faults[0]", ["section"]),
     ("faults:\n  - {effectiveness: 0.5}", 4, "faults[0].surface", ["nothing"]),
-    ("faults:\n  - {surface: ailron}", 4, "faults[0].surface", ["aileron, elevator, rudder", "did you mean aileron?"]),
+    ("faults:\n  - {surface: left aileron}", 4, "faults[0].surface", ["'left aileron'", "letters, digits and _"]),
+    ("faults:\n  - {surface: 3}", 4, "faults[0].surface", ["a text"]),
     ("faults: [{surface: rudder, kind: stuck}]", 3, "faults[0].kind", ["'stuck'", "effectiveness: 0, bias_deg: 2"]),
     ("faults: [{surface: rudder, start_s: -1}]", 3, "faults[0].start_s", ["at least 0, s"]),
     ("faults: [{surface: rudder, start_s: 5, end_s: 5}]", 3, "faults[0].end_s", ["after start_s, 5 s"]),
@@ -239,7 +235,7 @@ def test_name_and_duration(refused, head, key, said):
 
 
 def test_several_mistakes_are_reported_at_once(refused):
-    error = refused("plant: x\nfaults:\n  - {surface: flap}\n  - {surface: rudder, foo: 1}\n")
+    error = refused("plant: x\nfaults:\n  - {surface: 3}\n  - {surface: rudder, foo: 1}\n")
     assert [e.where.rpartition("key ")[2] for e in error.errors] == ["plant", "faults[0].surface", "faults[1].foo"]
     assert str(error).startswith("3 errors")
 

@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from uavftc.config.values import ZERO, AtLeast, Signal, Window
+from uavftc.config.values import ZERO, AtLeast, Signal, SurfaceName, Window
 from uavftc.core.given import Given
 from uavftc.core.layout import Targets
 from uavftc.core.stage import NOTHING, Block, Stage, law
@@ -36,8 +36,8 @@ class Config(Window):
 
     kind: Annotated[Literal["effectiveness"], Field(exclude=True)] = "effectiveness"
     """`effectiveness`, where it is left out"""
-    surface: Literal["aileron", "elevator", "rudder"]
-    """`aileron`, `elevator` or `rudder`"""
+    surface: SurfaceName
+    """`aileron`, `elevator`, `rudder`, or an effector of the aircraft such as `left_aileron`"""
     effectiveness: Effectiveness = Signal(1.0)
     """signal, finite and >= 0 at every sample of the window; over 1 is flown as written, with a warning"""
     bias_deg: Signal = ZERO

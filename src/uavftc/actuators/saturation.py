@@ -9,7 +9,7 @@ import math
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator
+from pydantic import ConfigDict, Discriminator, Field, Tag, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from uavftc.config.values import Model, Number
@@ -41,16 +41,25 @@ class Limits(Model):
 
 
 class SurfaceLimits(Model):
-    """Limits of each surface; null is unlimited."""
+    """Limits of surfaces by name: of an axis, or of one effector of the aircraft; null is unlimited."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Limits | None]
 
     aileron: Limits | None = None
     elevator: Limits | None = None
     rudder: Limits | None = None
 
+    def named(self) -> dict[str, Limits]:
+        """Return the limits that there are, by the name of the surface."""
+        return {name: limits for name, limits in self if limits is not None}
+
 
 def _limits_or_surfaces(value: Any) -> str:
-    per_surface = isinstance(value, SurfaceLimits) or (isinstance(value, dict) and any(s in value for s in SURFACES))
-    return "SurfaceLimits" if per_surface else "Limits"
+    if not isinstance(value, dict):
+        return "SurfaceLimits" if isinstance(value, SurfaceLimits) else "Limits"
+    by_name = any(key in SURFACES or isinstance(limits, dict | Limits | None) for key, limits in value.items())
+    return "SurfaceLimits" if by_name and not value.keys() & Limits.model_fields.keys() else "Limits"
 
 
 Config = Annotated[
@@ -92,7 +101,7 @@ def effector_limits(config: Limits | SurfaceLimits | None, mixing: np.ndarray, t
     """
     table = np.array([[-np.inf, np.inf]] * len(mixing))
     if isinstance(config, SurfaceLimits):
-        named = [(targets[name], limits) for name, limits in config if limits is not None]
+        named = [(targets[name], limits) for name, limits in config.named().items()]
     else:
         signs = {j: -1.0 if row[np.argmax(row != 0.0)] < 0.0 else 1.0 for j, row in enumerate(mixing)}
         named = [] if config is None else [(signs, config)]

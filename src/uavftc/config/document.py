@@ -15,6 +15,7 @@ from ruamel.yaml.composer import Composer
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from uavftc.config.values import key_text
 from uavftc.errors import InputError
 
 MAX_NODES = 20_000  # scalars, lists and maps after aliases are followed; the paper's scenario 3 has about 150
@@ -56,6 +57,27 @@ class Document:
         for known in [k for k in self.places if k[: len(key)] == key]:
             del self.places[known]
         self.places[key] = place
+
+
+class Origin:
+    """Where the keys of a scenario were written. It is no part of what a scenario says, so that two are always equal.
+
+    Without a document the scenario was made in Python.
+    """
+
+    def __init__(self, document: Document | None = None) -> None:
+        self._document = document
+
+    def where(self, key: Key) -> str:
+        """Return the place of a key as a message begins with it: ``file, line N, key faults[0].surface``."""
+        place = "" if self._document is None else f"{self._document.place(key)}, "
+        return f"{place}key {key_text(key)}"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Origin)
+
+    def __hash__(self) -> int:
+        return 0
 
 
 def parse(text: str, where: str, *, lines: bool = True) -> tuple[Any, dict[Key, str]]:

@@ -5,11 +5,13 @@ Numbers are finite floats; a boolean or a text is not a number. Units are those 
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     AllowInfNan,
     BaseModel,
     BeforeValidator,
@@ -183,6 +185,16 @@ class Signal:
 
 
 ZERO = Signal(0.0)
+
+
+def _surface(name: str) -> str:
+    if len(name) > 60 or re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) is None:
+        raise PydanticCustomError("name", "the name of a surface: letters, digits and _, beginning with a letter")
+    return name
+
+
+SurfaceName = Annotated[str, Strict(), AfterValidator(_surface)]
+"""An effector of the aircraft, or the gang of an axis; which there are is known when the flight is built."""
 
 
 class AtLeast(NamedTuple):

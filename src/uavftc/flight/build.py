@@ -29,6 +29,7 @@ from uavftc.flight import envelope
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
 from uavftc.flight.defaults import resolved
 from uavftc.flight.inputs import Inputs
+from uavftc.flight.named import refuse_unknown
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
 from uavftc.plants.jsbsim.model import TrimmedModel
@@ -80,6 +81,7 @@ def build_flight(scenario: Scenario) -> Flight:
     check_start(scenario)
     timing = timing_of(scenario)
     layout = layout_of(scenario, aircraft, model)
+    refuse_unknown(scenario, layout)
     inputs = Inputs(scenario, trim_attitude(model), layout)
     plant = make_plant(scenario, aircraft, model, timing, inputs)
     given = given_of(scenario, aircraft, model, plant, timing, axes, layout)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,7 @@ def problems(scenario: Scenario) -> list[Problem]:
     """Return everything that is wrong with the combination of values; empty if the scenario can be flown."""
     found = _sampling(scenario)
     signals = [] if found else [p for key, entry, s in _signals(scenario) for p in _finite(scenario, key, entry, s)]
-    return [*found, *signals, *_overlaps(scenario), *_plant(scenario)]
+    return [*found, *signals, *overlaps(scenario, lambda surface: (surface,)), *_plant(scenario)]
 
 
 def warnings(scenario: Scenario) -> list[str]:
@@ -163,23 +163,28 @@ def _finite(scenario: Scenario, key: tuple[str | int, ...], entry: Any, signal: 
     return []
 
 
-def _overlaps(scenario: Scenario) -> list[Problem]:
+def overlaps(scenario: Scenario, members: Callable[[str], Iterable[str]]) -> list[Problem]:
+    """Return the faults that begin while another one acts on the same effector; `members` of what a fault names."""
     found = []
     last: dict[str, tuple[int, Any]] = {}
     on_surfaces = [(i, fault) for i, fault in enumerate(scenario.faults) if hasattr(fault, "surface")]
     for i, fault in sorted(on_surfaces, key=lambda item: item[1].start_s):
-        if fault.surface in last:
-            j, earlier = last[fault.surface]
-            if earlier.end_s is None or fault.start_s < earlier.end_s:
+        reported = set()
+        for name in members(fault.surface):
+            j, earlier = last.get(name, (i, None))
+            if earlier is not None and (earlier.end_s is None or fault.start_s < earlier.end_s) and j not in reported:
+                reported.add(j)
                 pair = (
                     f"{key_text(('faults', i))} on {_interval(fault)} overlaps "
-                    f"{key_text(('faults', j))} on {_interval(earlier)}, both on the {fault.surface}"
+                    f"{key_text(('faults', j))} on {_interval(earlier)}, both on the {name}"
                 )
                 expected = "at most one fault at a time on a surface; windows are [start_s, end_s)"
                 found.append(Problem(("faults", i), pair, expected, "move one of the windows, or join the two faults"))
-        later = last.get(fault.surface)
-        if later is None or (later[1].end_s is not None and (fault.end_s is None or fault.end_s > later[1].end_s)):
-            last[fault.surface] = (i, fault)
+            longer = earlier is None or (
+                earlier.end_s is not None and (fault.end_s is None or fault.end_s > earlier.end_s)
+            )
+            if longer:
+                last[name] = (i, fault)
     return found
 
 

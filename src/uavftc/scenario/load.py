@@ -10,7 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from uavftc.config import shipped as resources
-from uavftc.config.document import Document, parse
+from uavftc.config.document import Document, Origin, parse
 from uavftc.config.explain import describe, explain
 from uavftc.errors import InputError, join
 from uavftc.scenario.checks import warnings
@@ -65,9 +65,11 @@ def load_scenario(
     _resolve_aircraft(document, path.parent)
     resolve_controller(document, path.parent)
     try:
-        return Scenario.model_validate(document.data)
+        scenario = Scenario.model_validate(document.data)
     except ValidationError as error:
         raise join(explain(error, document, Scenario)) from None
+    scenario._origin = Origin(document)
+    return scenario
 
 
 def controller_name(scenario: Scenario) -> str:

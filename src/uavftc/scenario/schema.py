@@ -12,6 +12,7 @@ from pydantic import (
     BaseModel,
     Discriminator,
     Field,
+    PrivateAttr,
     Tag,
     ValidationInfo,
     create_model,
@@ -22,6 +23,7 @@ from pydantic_core import PydanticCustomError
 
 from uavftc.actuators import CHAIN
 from uavftc.actuators.saturation import limits_rad
+from uavftc.config.document import Origin
 from uavftc.config.effect import configs, default_kind, section
 from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Whole, refusal
 from uavftc.environment import KINDS
@@ -166,6 +168,13 @@ class Scenario(_Chains):
     """[where the vehicle is lost](#envelope)"""
     simulation: Simulation = Simulation()
     """[how the plant is stepped](#simulation)"""
+
+    _origin: Origin = PrivateAttr(default_factory=Origin)
+
+    @property
+    def origin(self) -> Origin:
+        """Where its keys were written, for messages about them."""
+        return self._origin
 
     @model_validator(mode="before")
     @classmethod

@@ -1,0 +1,48 @@
+"""What a scenario names of its aircraft: the surfaces of its faults and of its limits."""
+
+from __future__ import annotations
+
+import difflib
+
+from uavftc.actuators.saturation import SurfaceLimits
+from uavftc.config.explain import MAX_SHOWN, describe
+from uavftc.config.values import Problem
+from uavftc.core.layout import Layout, targets_of
+from uavftc.errors import InputError, join
+from uavftc.scenario.checks import overlaps
+from uavftc.scenario.schema import Scenario
+
+
+def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
+    """Refuse a surface that the aircraft does not have, and two faults at a time on one effector.
+
+    Raises
+    ------
+    InputError
+        With the place of each key, and all names that there are.
+    """
+    targets = targets_of(layout.names, layout.gangs)
+    known = list(dict.fromkeys((*layout.gangs, *layout.names)))
+    named: list[tuple[tuple[str | int, ...], str]] = [
+        (("faults", i, "surface"), fault.surface)
+        for i, fault in enumerate(scenario.faults)
+        if hasattr(fault, "surface")
+    ]
+    if isinstance(scenario.saturation, SurfaceLimits):
+        limited = dict.fromkeys((*scenario.saturation.named(), *(scenario.saturation.model_extra or {})))
+        named += [(("saturation", name), name) for name in limited]
+    problems = []
+    for key, name in named:
+        if name not in targets:
+            near = difflib.get_close_matches(name, known, n=1)
+            remedy = f"did you mean {near[0]}?" if near else "choose one of them"
+            expected = f"one of {', '.join(known)}, the surfaces of {scenario.aircraft}"
+            problems.append(Problem(key, describe(name), expected, remedy))
+    if not problems:
+        problems = overlaps(scenario, lambda surface: [layout.names[j] for j in targets[surface]])
+    if problems:
+        where = scenario.origin.where
+        shown = [
+            InputError(where(p.key), found=p.found, expected=p.expected, remedy=p.remedy) for p in problems[:MAX_SHOWN]
+        ]
+        raise join(shown)
