@@ -15,13 +15,11 @@ import hashlib
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
-from xml.sax.saxutils import quoteattr
 
 from uavftc.aircraft.definition import Aircraft
-from uavftc.aircraft.effectors import is_property
 from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
 
@@ -82,13 +80,11 @@ def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = ()) -> bytes:
         xml = re.sub(r"\A<\?xml.*?\?>", '<?xml version="1.0"?>', xml.decode("utf-16"), flags=re.DOTALL).encode()
     sections, inside, end = _sections(xml)
     changes: list[tuple[int, int, bytes]] = []
-    values = dict.fromkeys(declared, "0")
     for section in sections:
         if section.tag in _TAKEN_OUT:
             changes.append((section.begin, section.end, b"\n" * xml.count(b"\n", section.begin, section.end)))
-            values |= section.properties  # an <input> declares them for the rest of the aircraft
-    if values:
-        lines = "".join(f"<property value={quoteattr(value)}>{name}</property>" for name, value in values.items())
+    if declared:
+        lines = "".join(f'<property value="0">{name}</property>' for name in declared)
         changes.append((inside, inside, f'<system name="uavftc-declared">{lines}</system>'.encode()))
     if moment:
         changes.append(_moment(sections, end, xml))
@@ -99,7 +95,7 @@ def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = ()) -> bytes:
 
 @dataclass
 class _Section:
-    """A child of the root: its place in the file, in bytes, and the properties that an <input> declares."""
+    """A child of the root: its place in the file, in bytes."""
 
     tag: str
     begin: int
@@ -107,7 +103,6 @@ class _Section:
     """Behind its start tag."""
     end: int = -1
     """Behind its end tag; `inside` of an empty tag, <tag/>."""
-    properties: dict[str, str] = field(default_factory=dict)
 
 
 class _EntityError(ValueError):
@@ -130,8 +125,7 @@ def _sections(xml: bytes) -> tuple[list[_Section], int, int]:
     parser = expat.ParserCreate()
     sections: list[_Section] = []
     root = _Section("", 0)
-    opened: list[str] = []
-    declaration: tuple[str, list[str]] | None = None
+    depth = 0
     # an event does not say where it ends; the next one begins there
     waiting: list[tuple[_Section, str]] = []
 
@@ -140,42 +134,30 @@ def _sections(xml: bytes) -> tuple[list[_Section], int, int]:
             section, edge = waiting.pop()
             setattr(section, edge, parser.CurrentByteIndex)
 
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal declaration
+    def start(tag: str, _attributes: dict[str, str]) -> None:
+        nonlocal depth
         event()
-        if len(opened) == 0:
+        if depth == 0:
             waiting.append((root, "inside"))
-        elif len(opened) == 1:
+        elif depth == 1:
             sections.append(_Section(tag, parser.CurrentByteIndex))
             waiting.append((sections[-1], "inside"))
-        elif opened[1:] == ["input"] and tag == "property":
-            declaration = attributes.get("value", "0"), []
-        opened.append(tag)
+        depth += 1
 
-    def stop(tag: str) -> None:
-        nonlocal declaration
+    def stop(_tag: str) -> None:
+        nonlocal depth
         event()
-        opened.pop()
-        if len(opened) == 1:
-            waiting.append((sections[-1], "end"))
-        elif len(opened) == 0:
+        depth -= 1
+        if depth == 0:
             root.end = parser.CurrentByteIndex
-        elif declaration is not None and tag == "property":
-            name = "".join(declaration[1]).strip()
-            if is_property(name.removeprefix("/")):
-                sections[-1].properties[name] = declaration[0]
-            declaration = None
-
-    def text(data: str) -> None:
-        event()
-        if declaration is not None:
-            declaration[1].append(data)
+        elif depth == 1:
+            waiting.append((sections[-1], "end"))
 
     def entity(*_: object) -> None:
         raise _EntityError(parser.CurrentLineNumber)
 
-    parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = start, stop, text
+    parser.StartElementHandler, parser.EndElementHandler = start, stop
     parser.EntityDeclHandler = entity
-    parser.DefaultHandler = event  # comments and all the rest
+    parser.DefaultHandler = event  # text, comments and all the rest
     parser.Parse(xml, True)
     return sections, root.inside, root.end

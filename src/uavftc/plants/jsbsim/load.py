@@ -108,13 +108,14 @@ def _missing(aircraft: Aircraft, _checksum: str) -> tuple[str, ...]:
     absent: list[str] = []
     while True:
         try:
-            manager = _loaded(aircraft, 0.01, absent).get_property_manager()
+            fdm = _loaded(aircraft, 0.01, absent)
             break
         except InputError as error:  # the switch of a channel must exist when it is loaded
             switch = next((n for n in names if n not in absent and f"property, {n} specified" in error.found), None)
             if switch is None:
                 raise
             absent.append(switch)
+    manager = fdm.get_property_manager()
     return (*absent, *(name for name in names if name not in absent and manager.get_node(name) is None))
 
 
