@@ -42,10 +42,9 @@ def without(section, head=""):
         '<input port="5137"/>',
         '<input port="5137" type="QTJSBSIM">\n</input >',
         '<output/>\n<input port="1"/><output\n/>',
-        '<child name="other"><location/><orient/></child>',
     ],
 )
-def test_outputs_inputs_and_children_of_the_aircraft_are_taken_out(section):
+def test_outputs_and_inputs_of_the_aircraft_are_taken_out(section):
     # All else stays, the <input> and <output> of components too, and every line keeps its number.
     kept = "\n" * section.count("\n")
     assert without(section) == f"<fdm_config>{SYSTEM}{kept}<aerodynamics/></fdm_config>"
@@ -62,6 +61,13 @@ def test_the_bytes_of_another_encoding_stay():
     text = '<?xml version="1.0" encoding="ISO-8859-1"?><a><b c="\xe9"/><output name="\xe9"/><d>\xfc</d></a>'
     kept = text.replace('<output name="\xe9"/>', "").encode("latin-1")
     assert edited(text.encode("latin-1"), moment=False) == kept
+
+
+def test_an_aircraft_that_carries_another_is_refused(edited):
+    # JSBSim would load the other as it is, and adds its mass to the first: neither to be flown nor to be left out.
+    folder = edited("hale.xml", ("</fdm_config>", '<child name="other"/></fdm_config>'))
+    with pytest.raises(InputError, match="<child>"):
+        copy.copy_of(load_aircraft(str(folder)))
 
 
 @pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])

@@ -13,6 +13,7 @@ from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.plants.jsbsim.model import trimmed_model
+from uavftc.results.flight import notes_of
 from uavftc.scenario.load import load_scenario, scenario_text
 
 IAE_RAD_S = 0.25  # a step of 5 deg through the outer loop of 0.5 1/s is 0.0873 / 0.5 = 0.175
@@ -149,14 +150,27 @@ def test_without_an_airspeed_the_refusal_names_the_speeds_tried():
     assert refusal("mk82").where == "aircraft mk82, trim at 15 to 220 m/s and 1500 m"
 
 
+@pytest.mark.parametrize(("name", "lacks"), [("L17", "fcs/flaps-pos-deg"), ("f104", "systems/radar/range")])
+def test_a_property_that_only_another_program_defines_is_taken_as_zero(name, lacks):
+    # Some of JSBSim's aircraft run under FlightGear only, which would define the property. The flight says so.
+    flight, _, outcome = stock(name, "duration_s=1")
+    assert outcome.completed
+    assert f"{name}.xml reads what nothing defines, taken as 0: {lacks}" in notes_of(flight)
+
+
 @pytest.mark.parametrize(
-    ("name", "missing"), [("L17", "fcs/flaps-pos-deg"), ("dr1", "/sim/model/pushback/position-norm")]
+    ("name", "meant"),
+    [
+        ("c172", "jsbsim:c172p, jsbsim:c172r or jsbsim:c172x?"),
+        ("C172P", "did you mean jsbsim:c172p"),
+        ("boing314", "did you mean jsbsim:Boeing314?"),
+    ],
 )
-def test_a_property_that_only_another_program_defines_is_reported(name, missing):
-    # Some of JSBSim's aircraft run under FlightGear only, which would define the property.
-    error = refusal(name)
-    assert f"The property {missing} does not exist" in error.found
-    assert f"{name}.xml" in error.where
+def test_names_near_an_unknown_one_are_suggested(name, meant):
+    # Those equally near in their order, since some, such as c172x, cannot be flown.
+    with pytest.raises(InputError) as error:
+        load_aircraft(f"jsbsim:{name}")
+    assert meant in error.value.remedy
 
 
 @pytest.mark.parametrize("name", ["c17p", "c172", "../c172p", ""])

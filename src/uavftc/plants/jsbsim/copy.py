@@ -1,7 +1,7 @@
 """The copy that JSBSim loads: an aircraft's main file without anything that writes, opens or listens.
 
 - <output> and <input> of the aircraft are taken out: files, sockets. Those of components name properties and stay.
-  JSBSim reads neither in an included file. A <child>, another aircraft with outputs of its own, is taken out too.
+  JSBSim reads neither in an included file. A <child>, another aircraft with outputs of its own, is refused.
 - A moment input is added to an aircraft that has none, for the disturbance d2: the body moment J d2.
 - Properties that nothing defines are declared, 0, where the caller says so (`load.missing`).
 
@@ -25,7 +25,7 @@ from uavftc.errors import InputError
 
 MOMENT = "uavftc-disturbance"
 _ELEMENT = f'<moment name="{MOMENT}" frame="BODY"><direction><x>1</x><y>0</y><z>0</z></direction></moment>'
-_TAKEN_OUT = ("output", "input", "child")
+_TAKEN_OUT = ("output", "input")
 
 
 def moment_name(aircraft: Aircraft) -> str:
@@ -39,7 +39,7 @@ def copy_of(aircraft: Aircraft, declared: Sequence[str] = ()) -> Path:
     Raises
     ------
     InputError
-        If the file cannot be read, is not well-formed, or declares entities.
+        If the file cannot be read, is not well-formed, declares entities, or carries another aircraft.
     """
     try:
         data = aircraft.xml.read_bytes()
@@ -49,8 +49,8 @@ def copy_of(aircraft: Aircraft, declared: Sequence[str] = ()) -> Path:
     except expat.ExpatError as error:
         found = f"line {error.lineno}, malformed XML: {expat.errors.messages[error.code]}"
         raise _unusable(aircraft, found, "well-formed XML") from None
-    except _EntityError as error:
-        raise _unusable(aircraft, f"line {error.args[0]}, <!ENTITY>", "no entities: text as it is meant") from None
+    except _RefusedError as error:
+        raise _unusable(aircraft, *error.args) from None
     file = cache_folder("aircraft", hashlib.sha256(copy).hexdigest()[:32]) / aircraft.xml.name
     if not file.is_file() or file.read_bytes() != copy:
         partial = file.with_suffix(f".{os.getpid()}")
@@ -69,7 +69,7 @@ def _unusable(aircraft: Aircraft, found: str, expected: str) -> InputError:
 
 
 def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = ()) -> bytes:
-    """Return an aircraft's XML without outputs, inputs and children, with a moment input and properties declared.
+    """Return an aircraft's XML without outputs and inputs, with a moment input and properties declared.
 
     Raises
     ------
@@ -105,8 +105,8 @@ class _Section:
     """Behind its end tag; `inside` of an empty tag, <tag/>."""
 
 
-class _EntityError(ValueError):
-    """The document declares an entity: what it stands for would be read by JSBSim, and not be seen here."""
+class _RefusedError(ValueError):
+    """What was found, and what is expected."""
 
 
 def _moment(sections: list[_Section], end: int, xml: bytes) -> tuple[int, int, bytes]:
@@ -140,6 +140,8 @@ def _sections(xml: bytes) -> tuple[list[_Section], int, int]:
         if depth == 0:
             waiting.append((root, "inside"))
         elif depth == 1:
+            if tag == "child":
+                raise _RefusedError(f"line {parser.CurrentLineNumber}, <child>", "one aircraft, not a second with it")
             sections.append(_Section(tag, parser.CurrentByteIndex))
             waiting.append((sections[-1], "inside"))
         depth += 1
@@ -154,7 +156,8 @@ def _sections(xml: bytes) -> tuple[list[_Section], int, int]:
             waiting.append((sections[-1], "end"))
 
     def entity(*_: object) -> None:
-        raise _EntityError(parser.CurrentLineNumber)
+        # what it stands for would be read by JSBSim, and not be seen here
+        raise _RefusedError(f"line {parser.CurrentLineNumber}, <!ENTITY>", "no entities: text as it is meant")
 
     parser.StartElementHandler, parser.EndElementHandler = start, stop
     parser.EntityDeclHandler = entity
