@@ -17,7 +17,7 @@ from uavftc.cli.app import umbrella
 from uavftc.core.cache import cache_folder
 from uavftc.jobs.design import fleet
 
-FEW = ["hale", "jsbsim:c172p", "jsbsim:L17"]
+FEW = ["hale", "jsbsim:c172p", "jsbsim:mk82"]
 KEYS = {
     "aircraft", "measured", "mass_kg", "span_m", "engines", "trims", "method", "airspeed_mps", "altitude_m", "flyable",
     "weakest_axis", "ratio", "reason", "without",
@@ -45,15 +45,15 @@ def test_each_aircraft_has_its_row(few, monkeypatch):
     rows = as_json()
     assert [row["aircraft"] for row in rows] == FEW
     assert all(row.keys() == KEYS for row in rows)
-    hale, cessna, navion = rows
+    hale, cessna, bomb = rows
     assert (hale["mass_kg"], hale["span_m"], hale["engines"]) == (pytest.approx(425.0), 50.0, 2)
     assert (hale["trims"], hale["method"], hale["airspeed_mps"]) == (True, "own", 30.0)
     assert cessna["span_m"] == pytest.approx(10.9, abs=0.1)  # a Cessna 172: 36 ft, give or take a wing tip
     assert cessna["flyable"] is True
     assert cessna["ratio"] > 1.0
-    assert navion["trims"] is navion["flyable"] is False
-    assert "fcs/flaps-pos-deg" in navion["reason"]
-    assert navion["mass_kg"] is navion["span_m"] is None
+    assert bomb["trims"] is bomb["flyable"] is False
+    assert "no steady flight" in bomb["reason"]
+    assert bomb["mass_kg"] is bomb["span_m"] is None
     # The second time, nothing is measured.
     monkeypatch.setattr(fleet, "row_of", None)
     assert as_json() == rows
@@ -68,7 +68,7 @@ def test_for_reading_it_is_one_aligned_line_each(few):
     for name, line in zip(FEW, lines[2:], strict=False):
         assert line.startswith(name)
     assert "yes (yaw 3.8 times)" in lines[3]
-    assert "no property fcs/flaps-pos-deg" in lines[4]
+    assert "no steady flight found" in lines[4]
     assert lines[-1] == "3 aircraft: 2 can be flown, 0 trim but cannot be flown, 1 do not trim or load"
 
 

@@ -362,7 +362,7 @@ WRONG = {
     "a key that is none": (["hale", "--set", "controler.rate_hz=100"], ["--set", "controler", "controller"]),
     "no airspeed": (["hale", "--airspeed-mps", "0"], ["--airspeed-mps", "above 0", "default condition"]),
     "an airspeed without a trim": (["jsbsim:c172p", "--airspeed-mps", "12"], ["no steady flight", "12 m/s"]),
-    "an aircraft that does not load": (["jsbsim:L17"], ["fcs/flaps-pos-deg"]),
+    "an aircraft that does not load": (["jsbsim:blank"], ["No metrics element"]),
     "a figure of no kind": (["hale", "--figure", "poles.bmp"], ["--figure", ".bmp", ".png"]),
     "a figure in no folder": (["hale", "--figure", "none/poles.png"], ["--figure", "make the folder"]),
     "no aircraft": ([], ["AIRCRAFT"]),
