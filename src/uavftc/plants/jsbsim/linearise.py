@@ -20,11 +20,14 @@ from typing import NamedTuple
 import jsbsim
 import numpy as np
 
-from uavftc.aircraft.definition import Aircraft
+from uavftc.aircraft.effectors import Surface
 from uavftc.analysis.modes import STATES
 from uavftc.core.signals import SURFACES
 from uavftc.plants.jsbsim.load import inertia
-from uavftc.plants.jsbsim.trim import Trim, accelerations, command, has, place, run_for, set_throttle
+from uavftc.plants.jsbsim.engines import has
+from uavftc.plants.jsbsim.rig import Rig
+from uavftc.plants.jsbsim.settle import accelerations, run_for, set_from_below
+from uavftc.plants.jsbsim.trim import Trim, command, place, set_throttle
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
 SETTLE_S = 2.0  # actuators
@@ -33,6 +36,7 @@ SURFACE_STEPS = (0.002, 0.01)  # of the command's range either side
 RATE_STEP = 2e-3  # rad/s, and rad for angles
 SPEED_STEP = 0.1  # m/s
 THROTTLE_STEP = 0.02
+EXACT = 1e-12  # rad, or the unit of the position, between a position and what is linear in the command
 
 PROPULSION = (
     "forces/fbx-prop-lbs", "forces/fby-prop-lbs", "forces/fbz-prop-lbs",
@@ -46,6 +50,27 @@ PLACED = {"V": "airspeed", "alpha": "alpha", "beta": "beta", "theta": "theta", "
 RATES = [STATES.index(name) for name in "pqr"]
 
 
+class Surfaces(NamedTuple):
+    """Response to each of n surfaces at a frozen trim, in the units of their commands."""
+
+    B_command: np.ndarray
+    """(6, n) change of accelerations per unit of command."""
+    position: np.ndarray
+    """(n,) change of the position property per unit of command; nan without one."""
+    nonlinearity: np.ndarray
+    """(n,) relative difference of the angular response about the main axis between the two steps."""
+    at_trim: np.ndarray
+    """(n,) position property at the trim; nan without one."""
+    at_ends: np.ndarray
+    """(n, 2) position property at least and greatest command; nan without one."""
+    ends: np.ndarray
+    """(n, 2) least and greatest command."""
+    full: np.ndarray
+    """(n, 2) response at either end over what the slope gives, about the main axis; nan where an end is the trim."""
+    ideal: list[bool]
+    """(n,) whether the position is linear in the command and there one frame later, to `EXACT`."""
+
+
 class Linear(NamedTuple):
     """A linear model at a trim; surfaces in the units of their commands."""
 
@@ -53,20 +78,15 @@ class Linear(NamedTuple):
     """(8, 8) over `STATES`, engines settled."""
     A_at_once: np.ndarray
     """(3, 3) over p, q, r, 1/s, engines at the speed of the trim."""
-    B_command: np.ndarray
-    """(6, 3): change of u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2, per unit of command."""
-    position: np.ndarray
-    """(3,) change of each surface's position, rad, per unit of its command; nan without a position property."""
+    surfaces: Surfaces
     throttle_mps2: float
     """Change of u_dot, m/s^2, per unit of throttle."""
-    nonlinearity: np.ndarray
-    """(3,) relative difference of each surface's angular response about its axis between the two steps."""
 
 
-def linearise(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim) -> Linear:
+def linearise(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> Linear:
     """Return the linear model at a trim; the FDM must be frozen, and is left at the trim."""
     engines = fdm.get_propulsion().get_num_engines()
-    base = {"airspeed": trim.airspeed, "alpha": trim.alpha, "theta": trim.theta, "phi": trim.phi, "beta": 0.0}
+    base = {"airspeed": trim.airspeed, "alpha": trim.alpha, "theta": trim.theta, "phi": trim.phi, "beta": trim.beta}
 
     def put(name: str | None = None, change: float = 0.0) -> None:
         """Place the trim, one state of it changed."""
@@ -93,18 +113,18 @@ def linearise(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim) -> Linear:
         step = SPEED_STEP if name == "V" else RATE_STEP
         return (answer(name, step) - answer(name, -step)) / (2.0 * step)
 
-    command(fdm, aircraft, trim)
+    command(fdm, trim)
     run_for(fdm, ENGINE_S)
     names = (*PLACED, *"pqr")
     at_once = {name: column(response, name) for name in names}
     response()
-    B, position, nonlinearity = surface_response(fdm, aircraft)
-    throttle = throttle_response(fdm, aircraft, trim)
+    surfaces = surface_response(fdm, rig, trim)
+    throttle = throttle_response(fdm, rig, trim)
     columns = {name: at_once[name][:6] for name in names}
     fast = _full(columns, trim)[np.ix_(RATES, RATES)]
     if engines:
         columns = {name: columns[name] + column(settled, name) - at_once[name][6:] for name in names}
-    return Linear(_full(columns, trim), fast, B, position, throttle, nonlinearity)
+    return Linear(_full(columns, trim), fast, surfaces, throttle)
 
 
 def engine_accelerations(fdm: jsbsim.FGFDMExec) -> np.ndarray:
@@ -140,41 +160,74 @@ def _full(columns: dict[str, np.ndarray], trim: Trim) -> np.ndarray:
     return A
 
 
-def surface_response(fdm: jsbsim.FGFDMExec, aircraft: Aircraft) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return (B_command (6, 3), position (3,), nonlinearity (3,)) at the frozen trim; see `Linear`."""
-    B, position, nonlinearity = np.zeros((6, 3)), np.full(3, np.nan), np.zeros(3)
-    for j, name in enumerate(SURFACES):
-        surface = getattr(aircraft.surfaces, name)
-        trim = fdm[surface.command]
-        known = surface.position is not None and has(fdm, surface.position)
+def surface_response(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> Surfaces:
+    """Return the response to each surface; the FDM must be frozen at the trim, and is left there."""
+    n = len(rig.surfaces)
+    found = Surfaces(
+        np.zeros((6, n)), np.full(n, np.nan), np.zeros(n), np.full(n, np.nan), np.full((n, 2), np.nan),
+        np.zeros((n, 2)), np.full((n, 2), np.nan), [False] * n,
+    )  # fmt: skip
+    pedals = dict(zip(SURFACES, trim.trim_commands, strict=True))
+    for j, (surface, slack) in enumerate(zip(rig.surfaces.values(), rig.backlash, strict=True)):
+        at = fdm[surface.command]
+        known = surface.position if surface.position is not None and has(fdm, surface.position) else None
+        offset = next((pedals[s] for s in SURFACES if surface.command == f"fcs/{s}-cmd-norm"), 0.0)
+        found.ends[j] = rig.ranges[j] - offset
+        reach = 0.5 * float(np.ptp(rig.ranges[j]))
+
+        def answer(command: float, surface: Surface = surface, slack: float = slack, known: str | None = known):  # type: ignore[no-untyped-def]
+            """Return accelerations and position, (7,), with the command set and everything at rest."""
+            set_from_below(fdm, {surface.command: command}, {surface.command: slack})
+            run_for(fdm, SETTLE_S)
+            return np.array([*accelerations(fdm), np.nan if known is None else fdm[known]])
+
         slopes = []
         for part in SURFACE_STEPS:
-            step = part * aircraft.command_limits()[j]
-            ends = []
-            for sign in (1.0, -1.0, 1.0, -1.0):  # the first pair takes up backlash, the second is the response
-                fdm[surface.command] = trim + sign * step
-                run_for(fdm, SETTLE_S)
-                ends.append(np.array([*accelerations(fdm), fdm[surface.position] if known else np.nan]))
-            slopes.append((ends[2] - ends[3]) / (2.0 * step))
-        fdm[surface.command] = trim
-        run_for(fdm, SETTLE_S)
-        B[:, j], position[j] = slopes[0][:6], slopes[0][6]
-        own, other = slopes[0][3 + j], slopes[1][3 + j]
+            step = max(part * reach, 2.0 * slack)
+            pair = [answer(at + sign * step) for sign in (1.0, -1.0, 1.0, -1.0)][2:]  # the first pair wears in
+            slopes.append((pair[0] - pair[1]) / (2.0 * step))
+        rest = answer(at)
+        found.B_command[:, j], found.position[j], found.at_trim[j] = slopes[0][:6], slopes[0][6], rest[6]
+        main = 3 + int(np.argmax(np.abs(slopes[0][3:6]) * np.diag(inertia(fdm))))
+        own, other = slopes[0][main], slopes[1][main]
         scale = max(abs(own), abs(other))
-        nonlinearity[j] = abs(own - other) / scale if scale > 0.0 else 0.0
-    return B, position, nonlinearity
+        found.nonlinearity[j] = abs(own - other) / scale if scale > 0.0 else 0.0
+        for k, end in enumerate(found.ends[j]):
+            if abs(end - at) > 1e-6 * reach:
+                there = answer(end)
+                found.at_ends[j, k] = there[6]
+                found.full[j, k] = (there - rest)[main] / (own * (end - at)) if own else np.nan
+            else:
+                found.at_ends[j, k] = rest[6]
+        found.ideal[j] = known is not None and slack == 0.0 and _ideal(fdm, surface.command, known, found, j, at)
+        answer(at)
+    return found
 
 
-def throttle_response(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim) -> float:
+def _ideal(fdm: jsbsim.FGFDMExec, command: str, position: str, found: Surfaces, j: int, at: float) -> bool:
+    """Whether a position follows its command linearly and at once, from end to end."""
+    run_for(fdm, SETTLE_S)
+    for part in (-1.0, -0.37, 0.004, 0.61, 1.0):
+        end = found.ends[j, 1] if part > 0 else found.ends[j, 0]
+        there = at + abs(part) * (end - at)
+        fdm[command] = there
+        fdm.run()
+        expected = found.at_trim[j] + found.position[j] * (there - at)
+        if not abs(fdm[position] - expected) <= EXACT:
+            return False
+    return True
+
+
+def throttle_response(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> float:
     """Return the change of u_dot, m/s^2, per unit of throttle, engines settled; 0 without engines."""
-    if fdm.get_propulsion().get_num_engines() == 0:
+    if not rig.throttles or trim.method == "glide":
         return 0.0
     high, low = min(1.0, trim.throttle + THROTTLE_STEP), max(0.0, trim.throttle - THROTTLE_STEP)
     ends = []
     for throttle in (high, low):
-        set_throttle(fdm, aircraft, throttle)
+        set_throttle(fdm, rig.throttles, throttle)
         run_for(fdm, ENGINE_S)
         ends.append(accelerations(fdm)[0])
-    set_throttle(fdm, aircraft, trim.throttle)
+    set_throttle(fdm, rig.throttles, trim.throttle)
     run_for(fdm, ENGINE_S)
     return (ends[0] - ends[1]) / (high - low)

@@ -30,11 +30,11 @@ from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import strict
 
-TIMEOUT_S = 120.0
+TIMEOUT_S = 60.0
 FRAME_S = 0.005  # the trim does not depend on the rate at which it is flown
 NOMINAL_RAD = 0.35  # stands for the deflection at full command of a surface that reports none
 ALTITUDE_M = 1500.0  # where nothing says otherwise
-SPEEDS_MPS = (15.0, 20.0, 25.0, 30.0, 35.0, 42.0, 51.0, 62.0, 75.0, 90.0, 110.0, 130.0, 155.0, 185.0, 220.0)
+SPEEDS_MPS = (5.0, 6.0, 7.0, 8.5, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 35.0, 42.0, 51.0, 62.0, 75.0, 90.0, 110.0, 130.0, 155.0, 185.0, 220.0, 260.0)
 
 
 class NoTrimError(InputError):
@@ -73,6 +73,10 @@ class TrimmedModel(NamedTuple):
     """Effectors of each axis and their weights; what a fault or a limit on `aileron` acts on."""
     axes: Sequence[bool] = (True, True, True)
     """Whether roll, pitch and yaw answer to any effector."""
+    reach_rad: Sequence[Sequence[float]] = ()
+    """(3, 2) what each axis can do to either side, as the deflection that would do it by the slope: its authority."""
+    frame_s: float = 5e-3
+    """Longest plant step that its engines allow, s."""
     engine_names: Sequence[str] = ()
     """Names of the engines, in the order of the XML."""
     declared: Sequence[str] = ()
@@ -93,69 +97,6 @@ class TrimmedModel(NamedTuple):
     def B_rates(self) -> np.ndarray:
         """Change of p_dot, q_dot, r_dot with aileron, elevator and rudder, shape (3, 3), 1/s^2 per rad."""
         return np.array(self.B)[3:]
-
-
-def measure(aircraft: Aircraft, airspeed: float, altitude: float) -> TrimmedModel:
-    """Return the trimmed model, measured in this process.
-
-    Raises
-    ------
-    InputError
-        If the aircraft does not load or has no trim there.
-    """
-    from uavftc.plants.jsbsim.linearise import linearise  # noqa: PLC0415
-    from uavftc.plants.jsbsim.load import inertia, initialised, missing  # noqa: PLC0415 - the parent process does not need JSBSim
-    from uavftc.plants.jsbsim.trim import configure, freeze, place, trim_jsbsim, trim_own  # noqa: PLC0415
-    from uavftc.plants.jsbsim.units import SLUG_KG  # noqa: PLC0415
-
-    trim, default = None, aircraft.initial
-    if aircraft.autothrottle is None:  # an aircraft made for this project has its trim solved exactly
-        trim = trim_jsbsim(initialised(aircraft, FRAME_S), aircraft, airspeed, altitude)
-    fdm = initialised(aircraft, FRAME_S)
-    trim = trim or trim_own(fdm, aircraft, airspeed, altitude)
-    if trim is None:
-        raise NoTrimError(
-            f"aircraft {aircraft.name}, trim at {airspeed:g} m/s and {altitude:g} m",
-            found="no steady flight: JSBSim's trim fails, and so does the project's",
-            expected="a condition in which surfaces and throttle within their limits bring all accelerations to zero",
-            remedy="choose another initial.airspeed_mps or initial.altitude_m"
-            + (f" (the aircraft's default: {default.airspeed_mps:g} m/s, {default.altitude_m:g} m)" if default else ""),
-        )
-    freeze(fdm)
-    place(fdm, airspeed=airspeed, altitude=altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
-    configure(fdm)
-    linear = linearise(fdm, aircraft, trim)
-    response = np.array([linear.B_command[3 + j, j] for j in range(3)])
-    scale, measured, limits = np.zeros(3), [], []
-    for j, surface in enumerate(aircraft.surface_list()):
-        size = abs(linear.position[j])
-        known = surface.rad_per_command is not None or bool(np.isfinite(size) and size > 1e-6)
-        if surface.rad_per_command is not None:
-            scale[j] = surface.rad_per_command
-        else:
-            scale[j] = (size if known else NOMINAL_RAD) * (-1.0 if response[j] < 0.0 else 1.0)
-        measured.append(known)
-        reach = 1.0 if surface.stop_rad is None else surface.stop_rad / abs(scale[j])
-        at = trim.surfaces[j] + trim.trim_commands[j]
-        limits.append(sorted(((-reach - at) * scale[j], (reach - at) * scale[j])))
-    B = linear.B_command / scale
-    axes = authority.controlled_axes(B[3:], np.array(limits))
-    return TrimmedModel(
-        trim=trim._asdict(),
-        mass_kg=fdm["inertia/mass-slugs"] * SLUG_KG,
-        inertia_kgm2=inertia(fdm).tolist(),
-        engines=fdm.get_propulsion().get_num_engines(),
-        rad_per_command=scale.tolist(),
-        measured_rad=measured,
-        limits_rad=[list(map(float, pair)) for pair in limits],
-        A=linear.A.tolist(),
-        A_at_once=linear.A_at_once.tolist(),
-        B=np.where(axes, B, 0.0).tolist(),
-        throttle_mps2=linear.throttle_mps2,
-        nonlinearity=linear.nonlinearity.tolist(),
-        axes=list(axes),
-        declared=missing(aircraft),
-    )
 
 
 def notes(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
@@ -280,29 +221,17 @@ def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
 
 
 def main(reference: str, altitude: str, *speeds: str) -> None:
-    """Measure and print one JSON document: the models at the speeds that trim, or the refusal of the last."""
+    """Measure and print one JSON document: the models at the speeds that trim, or the nearest refusal."""
     from uavftc.aircraft.definition import load_aircraft  # noqa: PLC0415
+    from uavftc.plants.jsbsim.measure import models_of  # noqa: PLC0415
 
-    models: list[dict[str, Any]] = []
-    refusal: InputError | None = None
     try:
-        aircraft = load_aircraft(reference)
-        for speed in speeds:
-            try:
-                models.append(_written(measure(aircraft, float(speed), float(altitude))))
-            except NoTrimError as error:
-                refusal = error
+        models = models_of(load_aircraft(reference), tuple(map(float, speeds)), float(altitude))
+        print(json.dumps({"models": [_written(m) for m in models], "lasting": True}))
     except InputError as error:
-        models, refusal = [], error
-    if models or refusal is None:
-        print(json.dumps({"models": models, "lasting": True}))
-    else:
-        fields = {key: getattr(refusal, key) for key in ("where", "found", "expected", "remedy")}
-        if len(speeds) > 1 and isinstance(refusal, NoTrimError):
-            slow, fast, high = float(speeds[0]), float(speeds[-1]), float(altitude)
-            fields["where"] = f"aircraft {aircraft.name}, trim at {slow:g} to {fast:g} m/s and {high:g} m"
+        fields = {key: getattr(error, key) for key in ("where", "found", "expected", "remedy")}
         # a load error names the path, and another file with the same content has another path
-        print(json.dumps({"error": fields, "lasting": isinstance(refusal, NoTrimError)}))
+        print(json.dumps({"error": fields, "lasting": isinstance(error, NoTrimError)}))
     sys.stdout.flush()
     os._exit(0)  # some aircraft crash JSBSim as it is taken down
 

@@ -154,7 +154,7 @@ class JSBSimPlant:
     def _bind(self, aircraft: Aircraft, model: TrimmedModel, *, has_wind: bool, has_moment: bool, holds: bool) -> None:
         """Look every property up once; a bound accessor costs a tenth of a look-up."""
         node = functools.partial(_node, self.fdm)
-        throttles = aircraft.throttle_commands(model.engines)
+        throttles = self.trim.throttles
         position = "fcs/throttle-pos-norm[0]"
         if aircraft.throttle is not None:
             position = (aircraft.throttle.position or aircraft.throttle.command)[0]

@@ -7,17 +7,23 @@ Three ways, tried in this order:
   actuators run, and alpha, elevator, throttle, bank, aileron and rudder are solved for zero accelerations at zero
   sideslip.
 - `glide`: the same for an aircraft without engines, with the flight path angle in place of the throttle.
+- `solved`: the project's again, for surfaces with backlash, servos and ends, an axis without a surface, and throttles
+  that are not linear: bounded Newton steps with wide differences (`search.py`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jsbsim
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
+from uavftc.plants.jsbsim import engines
+from uavftc.plants.jsbsim.engines import has
+from uavftc.plants.jsbsim.rig import Rig
+from uavftc.plants.jsbsim.settle import accelerations, run_for, set_from_below
 from uavftc.plants.jsbsim.units import FT_M
 
 INTEGRATORS = tuple(
@@ -26,11 +32,6 @@ INTEGRATORS = tuple(
     for motion in ("rotational", "translational")
 )
 TRIM_COMMANDS = ("fcs/roll-trim-cmd-norm", "fcs/pitch-trim-cmd-norm", "fcs/yaw-trim-cmd-norm")
-ACCELERATIONS = (
-    "accelerations/udot-ft_sec2", "accelerations/vdot-ft_sec2", "accelerations/wdot-ft_sec2",
-    "accelerations/pdot-rad_sec2", "accelerations/qdot-rad_sec2", "accelerations/rdot-rad_sec2",
-)  # fmt: skip
-
 SPIN_UP_S = 2.0  # a step of the project's trim; long against a propeller's time constant (0.1 s for hale)
 SETTLE_S = 5.0  # before a flight; what is left of the spin-up is below rounding
 STARTS = (0.5, 0.1, 0.9)  # throttle to start the solution from, in turn: a stopped propeller has no slope
@@ -48,23 +49,28 @@ class Trim(NamedTuple):
     alpha: float
     theta: float
     phi: float
-    surfaces: tuple[float, float, float]
-    """Commands of aileron, elevator and rudder."""
+    surfaces: tuple[float, ...]
+    """Command of each effector."""
     trim_commands: tuple[float, float, float]
     """JSBSim's roll, pitch and yaw trim commands; zero where the aircraft has none."""
     throttle: float
     residual: tuple[float, ...]
     """u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2, at the solution."""
+    beta: float = 0.0
+    """Sideslip, rad; other than zero only where an axis has no surface."""
+    properties: tuple[str, ...] = ()
+    """Command property of each effector."""
+    throttles: tuple[str, ...] = ()
+    """Throttle commands."""
+    backlash: tuple[float, ...] = ()
+    """Of each effector, in units of its command: it is set from below."""
+    way: str = "running"
+    """How the engines are started; see `engines.WAYS`."""
 
     @property
     def gamma(self) -> float:
         """Flight path angle, rad, positive up (for wings level)."""
         return self.theta - self.alpha
-
-
-def has(fdm: jsbsim.FGFDMExec, name: str) -> bool:
-    """Whether the loaded aircraft has a property."""
-    return fdm.get_property_manager().get_node(name) is not None
 
 
 def freeze(fdm: jsbsim.FGFDMExec) -> dict[str, int]:
@@ -107,45 +113,31 @@ def place(
     fdm.run_ic()
 
 
-def configure(fdm: jsbsim.FGFDMExec) -> None:
-    """Clean configuration, engines running, fuel frozen (assumption 1 of the paper: constant mass)."""
+def configure(fdm: jsbsim.FGFDMExec, way: str = "running") -> None:
+    """Clean configuration, engines running, fuel frozen where they run on it (assumption 1: constant mass)."""
     for name in ("gear/gear-cmd-norm", "gear/gear-pos-norm"):
         if has(fdm, name):
             fdm[name] = 0.0
-    if fdm.get_propulsion().get_num_engines():
-        fdm["propulsion/set-running"] = -1
-    fdm["propulsion/fuel_freeze"] = 1
+    engines.start(fdm, way)
 
 
-def command(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim) -> None:
-    """Set all commands of a trim."""
-    for surface, value in zip(aircraft.surface_list(), trim.surfaces, strict=True):
-        fdm[surface.command] = value
+def command(fdm: jsbsim.FGFDMExec, trim: Trim) -> None:
+    """Set all commands of a trim, a surface with backlash from below."""
     for name, value in zip(TRIM_COMMANDS, trim.trim_commands, strict=True):
         if has(fdm, name):
             fdm[name] = value
-    set_throttle(fdm, aircraft, trim.throttle)
+    set_throttle(fdm, trim.throttles, trim.throttle)
+    slack = dict(zip(trim.properties, trim.backlash, strict=True))
+    set_from_below(fdm, dict(zip(trim.properties, trim.surfaces, strict=True)), slack)
 
 
-def set_throttle(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, value: float) -> None:
+def set_throttle(fdm: jsbsim.FGFDMExec, throttles: Sequence[str], value: float) -> None:
     """Set the throttle command of all engines, 0..1."""
-    for name in aircraft.throttle_commands(fdm.get_propulsion().get_num_engines()):
+    for name in throttles:
         fdm[name] = value
 
 
-def accelerations(fdm: jsbsim.FGFDMExec) -> tuple[float, ...]:
-    """Return u_dot, v_dot, w_dot, m/s^2, and p_dot, q_dot, r_dot, rad/s^2."""
-    linear, angular = ACCELERATIONS[:3], ACCELERATIONS[3:]
-    return (*(fdm[name] * FT_M for name in linear), *(fdm[name] for name in angular))
-
-
-def run_for(fdm: jsbsim.FGFDMExec, seconds: float) -> None:
-    """Run frames for a time, s."""
-    for _ in range(round(seconds / fdm.get_delta_t())):
-        fdm.run()
-
-
-def trim_jsbsim(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim | None:
+def trim_jsbsim(fdm: jsbsim.FGFDMExec, rig: Rig, airspeed: float, altitude: float) -> Trim | None:
     """Return JSBSim's own full trim in level flight, or None where it fails."""
     place(fdm, airspeed=airspeed, altitude=altitude, alpha=0.0)
     configure(fdm)
@@ -154,7 +146,7 @@ def trim_jsbsim(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, alti
     except jsbsim.TrimFailureError:
         return None
     error = accelerations(fdm)
-    throttles = aircraft.throttle_commands(fdm.get_propulsion().get_num_engines())
+    throttles = rig.throttles
     trim = Trim(
         "jsbsim",
         airspeed,
@@ -162,35 +154,53 @@ def trim_jsbsim(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, alti
         fdm["aero/alpha-rad"],
         fdm["attitude/theta-rad"],
         fdm["attitude/phi-rad"],
-        tuple(fdm[s.command] for s in aircraft.surface_list()),  # type: ignore[arg-type]
+        tuple(fdm[s.command] for s in rig.surfaces.values()),
         tuple(fdm[n] if has(fdm, n) else 0.0 for n in TRIM_COMMANDS),  # type: ignore[arg-type]
         fdm[throttles[0]] if throttles else 0.0,
         error,
+        **of_rig(rig),
     )
     return trim if all(abs(e) < JSBSIM_TOLERANCE for e in error) else None
 
 
-def trim_own(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitude: float) -> Trim | None:
-    """Return the project's trim, with a glide for an aircraft without engines, or None. The FDM is left frozen."""
+def of_rig(rig: Rig) -> dict[str, Any]:
+    """Return the fields of a trim that say what is commanded."""
+    return {
+        "properties": tuple(s.command for s in rig.surfaces.values()),
+        "throttles": rig.throttles,
+        "backlash": tuple(map(float, rig.backlash)),
+        "way": rig.way,
+    }
+
+
+def trim_own(fdm: jsbsim.FGFDMExec, rig: Rig, airspeed: float, altitude: float) -> Trim | None:
+    """Return the project's trim for surfaces without backlash, three axes, or None. The FDM is left frozen.
+
+    Commands of aileron, elevator and rudder are solved for; the members of a gang follow theirs.
+    """
     from scipy.optimize import root  # noqa: PLC0415 - 0.1 s that a flight from a known trim need not pay
 
     freeze(fdm)
-    glides = fdm.get_propulsion().get_num_engines() == 0
+    glides = engines.count(fdm) == 0
     place(fdm, airspeed=airspeed, altitude=altitude, alpha=0.0)
-    configure(fdm)
+    configure(fdm, rig.way)
+    first = [float(rig.scale[np.flatnonzero(rig.mixing[:, i])[0]]) for i in range(3)]
+    share = rig.mixing * np.array(first) / rig.scale[:, None]  # 1 or -1, to the bit, for members alike
 
     def as_trim(x: np.ndarray, error: tuple[float, ...] = ()) -> Trim:
         alpha, elevator, third, phi, aileron, rudder = map(float, x)
         theta, throttle = (alpha + third, 0.0) if glides else (alpha, third)
-        surfaces = (aileron, elevator, rudder)
+        commands = (aileron, elevator, rudder)
+        surfaces = tuple(float(sum(m * c for m, c in zip(row, commands, strict=True) if m)) for row in share)
+        method = "glide" if glides else "own"
         return Trim(
-            "glide" if glides else "own", airspeed, altitude, alpha, theta, phi, surfaces, (0, 0, 0), throttle, error
+            method, airspeed, altitude, alpha, theta, phi, surfaces, (0, 0, 0), throttle, error, **of_rig(rig)
         )
 
     def equations(x: np.ndarray) -> tuple[float, ...]:
         trim = as_trim(x)
         place(fdm, airspeed=airspeed, altitude=altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
-        command(fdm, aircraft, trim)
+        command(fdm, trim)
         run_for(fdm, SPIN_UP_S)
         u, v, w, p, q, r = accelerations(fdm)
         return u, w, q, v, p, r
@@ -199,7 +209,7 @@ def trim_own(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, airspeed: float, altitud
         solution = root(equations, [0.0, 0.0, third, 0.0, 0.0, 0.0], options={"eps": 1e-6, "xtol": 1e-12})
         u, w, q, v, p, r = equations(solution.x)
         trim = as_trim(solution.x, (u, v, w, p, q, r))
-        usable = all(-limit <= c <= limit for c, limit in zip(trim.surfaces, aircraft.command_limits(), strict=True))
+        usable = all(low <= c <= high for c, (low, high) in zip(trim.surfaces, rig.ranges, strict=True))
         if all(abs(e) < TOLERANCE for e in trim.residual) and usable and 0.0 <= trim.throttle <= 1.0:
             return trim
     return None
@@ -218,16 +228,19 @@ def start(
     fresh FDM, whether its trim was solved just now or before: flights are identical to the bit.
     """
     freeze(fdm)
-    place(fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
-    configure(fdm)
-    command(fdm, aircraft, trim)
+    place(
+        fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi,
+        beta=trim.beta,
+    )  # fmt: skip
+    configure(fdm, trim.way)
+    command(fdm, trim)
     if np.any(wind_n):
         names = ("ic/vn-fps", "ic/ve-fps", "ic/vd-fps")
         still = [fdm[f"velocities/v-{axis}-fps"] for axis in ("north", "east", "down")]
         for name, air, speed in zip(names, wind_n, still, strict=True):
             fdm[name] = speed + air / FT_M
         fdm.run_ic()
-        configure(fdm)
+        configure(fdm, trim.way)
         for name, speed in zip(WIND, wind_n, strict=True):
             fdm[name] = speed / FT_M
     if aircraft.autothrottle is not None:
