@@ -11,7 +11,7 @@ import math
 import re
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jsbsim
 import numpy as np
@@ -91,6 +91,7 @@ def _with_position(surface: Surface, tried: Tried, fdm: jsbsim.FGFDMExec) -> Sur
 
 def _moves(fdm: jsbsim.FGFDMExec, surface: Surface) -> bool:
     """Whether a command moves the position property of its surface."""
+    assert surface.position is not None
     before, value = fdm[surface.position], fdm[surface.command]
     fdm[surface.command] = value + STEPS[""]
     settle(fdm)
@@ -185,7 +186,7 @@ def _bare_catalogue() -> set[str]:
             fdm.set_aircraft_path(folder)
             fdm.load_model("bare")
             fdm.run_ic()
-            lines = fdm.query_property_catalog("")
-            lines = lines.splitlines() if isinstance(lines, str) else lines
+            listed: Any = fdm.query_property_catalog("")
+            lines = listed.splitlines() if isinstance(listed, str) else listed
             _catalogue = {line.split()[0] for line in lines if line.split()}
     return _catalogue

@@ -23,8 +23,8 @@ import numpy as np
 from uavftc.aircraft.effectors import Surface
 from uavftc.analysis.modes import STATES
 from uavftc.core.signals import SURFACES
-from uavftc.plants.jsbsim.load import inertia
 from uavftc.plants.jsbsim.engines import has
+from uavftc.plants.jsbsim.load import inertia
 from uavftc.plants.jsbsim.rig import Rig
 from uavftc.plants.jsbsim.settle import accelerations, run_for, set_from_below
 from uavftc.plants.jsbsim.trim import Trim, command, place, set_throttle

@@ -231,7 +231,7 @@ def _refuse_axes(aircraft: Aircraft, rig: Rig) -> None:
     numbers = ", ".join(f"{SURFACES[i]} {abs(B[i, i]):.2g} rad/s^2 per rad" for i in range(3) if not rig.axes[i])
     raise NoTrimError(
         f"aircraft {aircraft.name}",
-        found=f"no {' and no '.join(missing)}: no effector acts about that axis by {RESPONSE_MIN:g} rad/s^2 ({numbers})",
+        found=f"no {' and no '.join(missing)}: nothing acts about that axis by {RESPONSE_MIN:g} rad/s^2 ({numbers})",
         expected="surfaces about pitch and about roll or yaw",
         remedy="name the surfaces in a companion file, key effectors, if it has others (docs/new-aircraft.md)",
     )

@@ -34,7 +34,10 @@ TIMEOUT_S = 60.0
 FRAME_S = 0.005  # the trim does not depend on the rate at which it is flown
 NOMINAL_RAD = 0.35  # stands for the deflection at full command of a surface that reports none
 ALTITUDE_M = 1500.0  # where nothing says otherwise
-SPEEDS_MPS = (5.0, 6.0, 7.0, 8.5, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 35.0, 42.0, 51.0, 62.0, 75.0, 90.0, 110.0, 130.0, 155.0, 185.0, 220.0, 260.0)
+SPEEDS_MPS = (
+    5.0, 6.0, 7.0, 8.5, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 35.0, 42.0, 51.0, 62.0, 75.0, 90.0, 110.0, 130.0, 155.0,
+    185.0, 220.0, 260.0,
+)  # fmt: skip
 
 
 class NoTrimError(InputError):

@@ -101,7 +101,9 @@ def axes_of(names: tuple[str, ...], B: np.ndarray, reach: np.ndarray, mixing: np
     """Return whether roll, pitch and yaw can be held by surfaces of the effect B, (6, n) per rad."""
     if set(names) <= set(SURFACES):
         full = np.abs(B[3:] * reach)
-        roll, pitch, yaw = (s in names and bool(full[i, names.index(s)] >= RESPONSE_MIN) for i, s in enumerate(SURFACES))
+        roll, pitch, yaw = (
+            s in names and bool(full[i, names.index(s)] >= RESPONSE_MIN) for i, s in enumerate(SURFACES)
+        )
         return roll, pitch, yaw
     own = _axes_of(_modes(B[3:], reach), B[3:] * reach)
     roll, pitch, yaw = (i in own and bool(np.any(mixing[:, i])) for i in range(3))
@@ -165,7 +167,7 @@ def _one_an_axis(modes: list[tuple[np.ndarray, bool]], full: np.ndarray) -> dict
     effect = [full @ mode for mode, _ in modes]
     chosen: dict[int, np.ndarray] = {}
     taken = set()
-    strongest = {axis: max(abs(e[axis]) for e in effect) for axis in axes}
+    strongest = {axis: max(abs(float(e[axis])) for e in effect) for axis in axes}
     for axis in axes:
         share = [
             abs(e[axis]) / strongest[axis] / sum(abs(e[a]) / strongest[a] for a in axes) if np.any(e) else 0.0

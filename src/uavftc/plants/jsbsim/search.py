@@ -88,9 +88,7 @@ class Search:
     def error(self, x: np.ndarray) -> np.ndarray:
         """Return the accelerations at x, (6,)."""
         t, fdm = self.trim(x), self.fdm
-        place(
-            fdm, airspeed=t.airspeed, altitude=t.altitude, alpha=t.alpha, theta=t.theta, phi=t.phi, beta=t.beta
-        )
+        place(fdm, airspeed=t.airspeed, altitude=t.altitude, alpha=t.alpha, theta=t.theta, phi=t.phi, beta=t.beta)
         set_throttle(fdm, t.throttles, t.throttle)
         set_from_below(fdm, self.rig.commands(x[4:]), self.rig.slack())
         return settle(fdm)

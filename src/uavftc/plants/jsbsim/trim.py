@@ -193,9 +193,7 @@ def trim_own(fdm: jsbsim.FGFDMExec, rig: Rig, airspeed: float, altitude: float) 
         commands = (aileron, elevator, rudder)
         surfaces = tuple(float(sum(m * c for m, c in zip(row, commands, strict=True) if m)) for row in share)
         method = "glide" if glides else "own"
-        return Trim(
-            method, airspeed, altitude, alpha, theta, phi, surfaces, (0, 0, 0), throttle, error, **of_rig(rig)
-        )
+        return Trim(method, airspeed, altitude, alpha, theta, phi, surfaces, (0, 0, 0), throttle, error, **of_rig(rig))
 
     def equations(x: np.ndarray) -> tuple[float, ...]:
         trim = as_trim(x)
