@@ -26,7 +26,7 @@ from uavftc.core.signals import SURFACES
 from uavftc.plants.jsbsim.engines import has
 from uavftc.plants.jsbsim.load import inertia
 from uavftc.plants.jsbsim.rig import Rig
-from uavftc.plants.jsbsim.settle import accelerations, run_for, set_from_below
+from uavftc.plants.jsbsim.settle import FINE_S, accelerations, rest, run_for, set_from_below
 from uavftc.plants.jsbsim.trim import Trim, command, place, set_throttle
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
@@ -114,7 +114,7 @@ def linearise(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> Linear:
         return (answer(name, step) - answer(name, -step)) / (2.0 * step)
 
     command(fdm, trim)
-    run_for(fdm, ENGINE_S)
+    rest(fdm, ENGINE_S)
     names = (*PLACED, *"pqr")
     at_once = {name: column(response, name) for name in names}
     response()
@@ -138,8 +138,9 @@ def engine_accelerations(fdm: jsbsim.FGFDMExec) -> np.ndarray:
 def settle_engines(fdm: jsbsim.FGFDMExec) -> None:
     """Run frames until forces and moments of the engines are constant, for `ENGINE_S` at most."""
     before = np.array([fdm[name] for name in PROPULSION])
-    for _ in range(round(ENGINE_S / UNCHANGED_S)):
-        run_for(fdm, UNCHANGED_S)
+    step = UNCHANGED_S if fdm.get_delta_t() >= FINE_S else 0.1 * UNCHANGED_S
+    for _ in range(round(ENGINE_S / step)):
+        run_for(fdm, step)
         loads = np.array([fdm[name] for name in PROPULSION])
         if np.max(np.abs(loads - before)) <= UNCHANGED * max(1.0, np.max(np.abs(loads))):
             return
@@ -178,16 +179,17 @@ def surface_response(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> Surfaces:
         def answer(command: float, surface: Surface = surface, slack: float = slack, known: str | None = known):  # type: ignore[no-untyped-def]
             """Return accelerations and position, (7,), with the command set and everything at rest."""
             set_from_below(fdm, {surface.command: command}, {surface.command: slack})
-            run_for(fdm, SETTLE_S)
+            rest(fdm, SETTLE_S)
             return np.array([*accelerations(fdm), np.nan if known is None else fdm[known]])
 
         slopes = []
         for part in SURFACE_STEPS:
             step = max(part * reach, 2.0 * slack)
-            pair = [answer(at + sign * step) for sign in (1.0, -1.0, 1.0, -1.0)][2:]  # the first pair wears in
+            signs = (1.0, -1.0) if slack else (1.0, -1.0, 1.0, -1.0)  # the first pair wears in
+            pair = [answer(at + sign * step) for sign in signs][-2:]
             slopes.append((pair[0] - pair[1]) / (2.0 * step))
-        rest = answer(at)
-        found.B_command[:, j], found.position[j], found.at_trim[j] = slopes[0][:6], slopes[0][6], rest[6]
+        level = answer(at)
+        found.B_command[:, j], found.position[j], found.at_trim[j] = slopes[0][:6], slopes[0][6], level[6]
         main = 3 + int(np.argmax(np.abs(slopes[0][3:6]) * np.diag(inertia(fdm))))
         own, other = slopes[0][main], slopes[1][main]
         scale = max(abs(own), abs(other))
@@ -196,9 +198,9 @@ def surface_response(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> Surfaces:
             if abs(end - at) > 1e-6 * reach:
                 there = answer(end)
                 found.at_ends[j, k] = there[6]
-                found.full[j, k] = (there - rest)[main] / (own * (end - at)) if own else np.nan
+                found.full[j, k] = (there - level)[main] / (own * (end - at)) if own else np.nan
             else:
-                found.at_ends[j, k] = rest[6]
+                found.at_ends[j, k] = level[6]
         found.ideal[j] = known is not None and slack == 0.0 and _ideal(fdm, surface.command, known, found, j, at)
         answer(at)
     return found
@@ -206,7 +208,7 @@ def surface_response(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> Surfaces:
 
 def _ideal(fdm: jsbsim.FGFDMExec, command: str, position: str, found: Surfaces, j: int, at: float) -> bool:
     """Whether a position follows its command linearly and at once, from end to end."""
-    run_for(fdm, SETTLE_S)
+    rest(fdm, SETTLE_S)
     for part in (-1.0, -0.37, 0.004, 0.61, 1.0):
         end = found.ends[j, 1] if part > 0 else found.ends[j, 0]
         there = at + abs(part) * (end - at)
@@ -226,8 +228,8 @@ def throttle_response(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> float:
     ends = []
     for throttle in (high, low):
         set_throttle(fdm, rig.throttles, throttle)
-        run_for(fdm, ENGINE_S)
+        rest(fdm, ENGINE_S)
         ends.append(accelerations(fdm)[0])
     set_throttle(fdm, rig.throttles, trim.throttle)
-    run_for(fdm, ENGINE_S)
+    rest(fdm, ENGINE_S)
     return (ends[0] - ends[1]) / (high - low)

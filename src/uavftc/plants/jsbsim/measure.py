@@ -22,17 +22,18 @@ from uavftc.plants.jsbsim.load import inertia, initialised, missing
 from uavftc.plants.jsbsim.model import FRAME_S, NOMINAL_RAD, NoTrimError, TrimmedModel
 from uavftc.plants.jsbsim.rig import Rig, arrange, axes_of, axis_limits
 from uavftc.plants.jsbsim.search import Nearest, Search
-from uavftc.plants.jsbsim.settle import run_for, set_from_below, settle
+from uavftc.plants.jsbsim.settle import WINDOW_S, run_for, set_from_below, settle
 from uavftc.plants.jsbsim.trim import Trim, configure, freeze, place, set_throttle, trim_jsbsim, trim_own
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG
 
-DEADLINE_S = 24.0  # for all airspeeds of an aircraft together
+MANY = 6  # surfaces
+DEADLINE_S = 20.0  # for all airspeeds of an aircraft together
 CL_MAX = 1.4  # of a wing without flaps, for the lowest airspeed that is tried
 SLOWEST, FASTEST = 1.05, 4.5  # airspeeds tried, in stall speeds
 TYPICAL = 1.6  # airspeed in stall speeds at which engines and surfaces are tried
 RHO_SI = 515.378818  # kg/m^3 per slug/ft^3
 ENDS = {"rad": 1.5, "deg": 90.0}  # command at which a surface without a normalised command is taken to its stop
-HELD = 0.95  # share of the last part of that command by which the position would move if there were no stop
+PARTS = (0.05, 0.1, 0.95, 1.0)  # of it: the slope is taken from the first two, a stop is seen on the last two
 TRIAL_S = 0.3
 
 
@@ -63,12 +64,14 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
     if len(speeds) > 1:
         low, high = SLOWEST * bench.stall, FASTEST * bench.stall
         speeds = tuple(v for v in speeds if low <= v <= high) or (TYPICAL * bench.stall,)
+        if bench.rig.frame_s < FRAME_S or len(bench.rig.surfaces) > MANY:
+            speeds = speeds[::2]  # each takes seconds
     found: list[TrimmedModel] = []
     nearest: list[Nearest] = []
     for speed in speeds:
         if time.monotonic() > deadline:
             break
-        trim, fdm = trim_at(bench, speed, deadline)
+        trim, fdm = trim_at(bench, speed, deadline, found[-1].trim if found else None)
         if isinstance(trim, Trim):
             found.append(model_at(bench, trim, fdm))
         elif trim is not None:
@@ -211,15 +214,16 @@ def _ends(fdm: jsbsim.FGFDMExec, surface: Surface, known: str | None, unit: str)
     at, full = fdm[surface.command], ENDS[unit]
     for sign in (-1.0, 1.0):
         places = []
-        for part in (0.0, 0.05, HELD, 1.0):
+        for part in PARTS:  # on the way to one side, so that backlash is taken up
             fdm[surface.command] = at + sign * part * full
-            settle(fdm, patience_s=1.5)
+            settle(fdm, least_s=WINDOW_S, patience_s=1.5)
             places.append(fdm[known] if known else 0.0)
-        slope = (places[1] - places[0]) / (0.05 * full)
-        stopped = known is not None and slope and abs(places[3] - places[2]) < 0.1 * abs(slope) * (1 - HELD) * full
-        found.append((places[3] - places[0]) / abs(slope) if stopped else sign * NOMINAL_RAD * full / ENDS["rad"])
-        if stopped and np.sign(found[-1]) != sign:
-            found[-1] = -found[-1]
+        slope = (places[1] - places[0]) / ((PARTS[1] - PARTS[0]) * full)
+        last = (places[3] - places[2]) / ((PARTS[3] - PARTS[2]) * full)
+        if known is None or not slope or abs(last) > 0.1 * abs(slope):  # no stop, or none that is seen
+            found.append(at + sign * NOMINAL_RAD * full / ENDS["rad"])
+        else:
+            found.append(at + sign * (PARTS[0] * full + (places[3] - places[0]) / slope))
     fdm[surface.command] = at
     settle(fdm, patience_s=1.5)
     return min(found), max(found)
@@ -237,8 +241,10 @@ def _refuse_axes(aircraft: Aircraft, rig: Rig) -> None:
     )
 
 
-def trim_at(bench: Bench, speed: float, deadline: float) -> tuple[Trim | Nearest | None, jsbsim.FGFDMExec]:
-    """Return the trim at an airspeed, m/s, or the nearest thing to one, and the FDM, frozen."""
+def trim_at(
+    bench: Bench, speed: float, deadline: float, before: dict[str, Any] | None = None
+) -> tuple[Trim | Nearest | None, jsbsim.FGFDMExec]:
+    """Return the trim at an airspeed, m/s, or the nearest thing to one, and the FDM, frozen; `before` is a start."""
     aircraft, rig, altitude = bench.aircraft, bench.rig, bench.altitude
     plain = rig.frame_s == FRAME_S and rig.way == "running" and not np.any(rig.backlash) and all(rig.axes)
     plain = plain and bench.powered == (len(rig.throttles) > 0)
@@ -252,7 +258,13 @@ def trim_at(bench: Bench, speed: float, deadline: float) -> tuple[Trim | Nearest
     if trim is not None:
         return trim, fdm
     search = Search(fdm, rig, speed, altitude, glides=not bench.powered)
-    return search.solve(deadline), fdm
+    start = None
+    if before is not None and before["method"] in ("solved", "glide"):
+        third = before["theta"] - before["alpha"] if search.glides else before["throttle"]
+        deflections = np.array(before["surfaces"]) * rig.scale
+        axes = np.linalg.lstsq(rig.mixing, deflections, rcond=None)[0]
+        start = np.array([before["alpha"], third, before["phi"], before["beta"], *axes])
+    return search.solve(deadline, start), fdm
 
 
 def model_at(bench: Bench, trim: Trim, fdm: jsbsim.FGFDMExec) -> TrimmedModel:
@@ -320,12 +332,12 @@ def _measured(aircraft: Aircraft, name: str, j: int, rig: Rig, trim: Trim, linea
         position=surface.position if known else None,
         position_rad=sign * per_unit if known else 0.0,
         rad_per_command=scale,
-        measured=surface.rad_per_command is not None or known,
+        measured=bool(surface.rad_per_command is not None or known),
         trim_command=float(at),
         trim_rad=float(sign * per_unit * found.at_trim[j]) if known else float(at * scale),
         commands=[low, high],
         limits_rad=[min(limits[0], 0.0), max(limits[1], 0.0)],
-        ideal=found.ideal[j],
+        ideal=bool(found.ideal[j]),
         B=(found.B_command[:, j] / scale).tolist(),
         full_response=[float(x) if math.isfinite(x) else 1.0 for x in found.full[j]],
         nonlinearity=float(found.nonlinearity[j]),

@@ -18,8 +18,8 @@ from uavftc.analysis.authority import COUPLING_MAX, RESPONSE_MIN
 from uavftc.core.signals import SURFACES
 
 MIRROR = 0.1  # relative difference of effect between two surfaces that count as a mirrored pair
-WEAK = 0.1  # share of the strongest of an axis below which a mode does not serve it
-SHOWN = 0.1  # weight from which a surface counts as a member of a gang
+WEAK = 0.5  # share of the strongest of an axis below which a mode does not serve it
+SHOWN = 0.2  # weight from which a surface counts as a member of a gang
 ROLL, PITCH, YAW = range(3)
 
 
@@ -65,9 +65,10 @@ def axis_limits(limits: np.ndarray, mixing: np.ndarray) -> np.ndarray:
     """Return the deflection that each axis, moved alone, has until its first surface is at a limit, (3, 2), rad."""
     found = np.zeros((3, 2))
     for i in range(3):
-        ends = [sorted(pair / m) for pair, m in zip(limits, mixing[:, i], strict=True) if abs(m) > 1e-12]
-        if ends:
-            found[i] = max(low for low, _ in ends), min(high for _, high in ends)
+        moved = np.abs(mixing[:, i]) > 1e-12
+        if np.any(moved):
+            ends = np.sort(limits[moved] / mixing[moved, i : i + 1], axis=1)
+            found[i] = np.max(ends[:, 0]), np.min(ends[:, 1])
     return found
 
 
@@ -106,8 +107,8 @@ def axes_of(names: tuple[str, ...], B: np.ndarray, reach: np.ndarray, mixing: np
         )
         return roll, pitch, yaw
     own = _axes_of(_modes(B[3:], reach), B[3:] * reach)
-    roll, pitch, yaw = (i in own and bool(np.any(mixing[:, i])) for i in range(3))
-    return roll, pitch, yaw
+    held = [i in own and bool(np.any(mixing[:, i])) for i in range(3)]
+    return held[ROLL], held[PITCH], held[YAW]
 
 
 def shared(B: np.ndarray, reach: np.ndarray, axes: list[int]) -> np.ndarray:
@@ -132,7 +133,7 @@ def _modes(B: np.ndarray, reach: np.ndarray) -> list[tuple[np.ndarray, bool]]:
                 apart = np.linalg.norm(full[:, j] - mirrored) / max(np.linalg.norm(full[:, j]), 1e-12)
                 # nothing tells the sign of two surfaces without pitch: the same way up is the same deflection
                 lateral = max(abs(full[ROLL, j]), abs(full[YAW, j]))
-                if apart < MIRROR and lateral > WEAK * abs(full[PITCH, j]) and partner is None:
+                if apart < MIRROR and lateral > MIRROR * abs(full[PITCH, j]) and partner is None:
                     partner, sign = k, s
         mode = np.zeros(n)
         mode[j] = 1.0
@@ -167,10 +168,10 @@ def _one_an_axis(modes: list[tuple[np.ndarray, bool]], full: np.ndarray) -> dict
     effect = [full @ mode for mode, _ in modes]
     chosen: dict[int, np.ndarray] = {}
     taken = set()
-    strongest = {axis: max(abs(float(e[axis])) for e in effect) for axis in axes}
+    strongest: dict[int, float] = {axis: float(np.max(np.abs([e[axis] for e in effect]))) for axis in axes}
     for axis in axes:
         share = [
-            abs(e[axis]) / strongest[axis] / sum(abs(e[a]) / strongest[a] for a in axes) if np.any(e) else 0.0
+            float(abs(e[axis]) / strongest[axis] / sum(abs(e[a]) / strongest[a] for a in axes)) if np.any(e) else 0.0
             for e in effect
         ]
         own = [

@@ -93,11 +93,15 @@ class Search:
         set_from_below(fdm, self.rig.commands(x[4:]), self.rig.slack())
         return settle(fdm)
 
-    def solve(self, deadline: float) -> Trim | Nearest | None:
-        """Return the trim; or the nearest to one; or None where nothing finite was found or the time is up."""
+    def solve(self, deadline: float, start: np.ndarray | None = None) -> Trim | Nearest | None:
+        """Return the trim; or the nearest to one; or None where nothing finite was found or the time is up.
+
+        start: unknowns of a trim nearby, (7,), tried first.
+        """
         best: tuple[float, np.ndarray, np.ndarray] | None = None
-        for third in (-0.08,) if self.glides else STARTS:
-            x, f = self._newton(np.array([0.05, third, 0.0, 0.0, 0.0, 0.0, 0.0]), deadline)
+        level = [np.array([0.05, t, 0.0, 0.0, 0.0, 0.0, 0.0]) for t in ((-0.08,) if self.glides else STARTS)]
+        for first in [*([] if start is None else [start]), *level]:
+            x, f = self._newton(first, deadline)
             size = float(np.max(np.abs(f)))
             if np.isfinite(size) and (best is None or size < best[0]):
                 best = size, x, f

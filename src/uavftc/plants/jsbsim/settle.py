@@ -9,6 +9,7 @@ from uavftc.plants.jsbsim.units import FT_M
 
 WINDOW_S = 0.1
 AT_REST = 1e-9  # change in a window, of the largest acceleration or of 1 m/s^2, that counts as none
+FINE_S = 4e-3  # frames below this are many
 PATIENCE_S = 4.0  # a servo of 8 rad/s comes to rest in 2.6 s; an autopilot that integrates never does
 
 ACCELERATIONS = (
@@ -42,6 +43,14 @@ def settle(fdm: jsbsim.FGFDMExec, *, least_s: float = 0.0, patience_s: float = P
             return now
         before = now
     return before
+
+
+def rest(fdm: jsbsim.FGFDMExec, seconds: float) -> None:
+    """Run frames for a time, s; where frames are fine, which is where engines are quick, until nothing changes."""
+    if fdm.get_delta_t() >= FINE_S:
+        run_for(fdm, seconds)
+    else:
+        settle(fdm, patience_s=seconds)
 
 
 def set_from_below(fdm: jsbsim.FGFDMExec, commands: dict[str, float], backlash: dict[str, float]) -> None:
