@@ -79,7 +79,8 @@ def build_flight(scenario: Scenario) -> Flight:
     refuse_uncontrolled(scenario, aircraft, axes)
     scenario = resolved(scenario, aircraft, model)
     check_start(scenario)
-    timing = timing_of(scenario)
+    finer = model is not None and scenario.plant == "jsbsim"
+    timing = timing_of(scenario, model.frame_s if model is not None and finer else math.inf)
     layout = layout_of(scenario, aircraft, model)
     refuse_unknown(scenario, layout)
     inputs = Inputs(scenario, trim_attitude(model), layout)

@@ -18,6 +18,7 @@ from uavftc.scenario.controllers import CustomController
 from uavftc.scenario.schema import Scenario
 
 AMPLE = 3.0  # authority, available over demanded, that is enough to choose an airspeed without looking further
+SPARE = 0.2  # of the throttle, left at the trim: with less, an airspeed is chosen only where there is no better
 
 BANDWIDTH = (0.5, 0.5, 0.5)  # 1/s, the paper's
 STEP_RAD = math.radians(5.0)  # the paper's step; see reasons_against_any
@@ -61,7 +62,7 @@ def authority_of(scenario: Scenario, model: TrimmedModel) -> Authority:
     return authority(
         np.array(model.A),
         np.array(model.B),
-        np.array(model.limits_rad),
+        reach_of(model),
         A_m=np.array(A_m),
         bandwidth=np.array(bandwidth),
         step=largest_step(scenario),
@@ -74,6 +75,11 @@ def largest_step(scenario: Scenario) -> np.ndarray:
     reference, t = scenario.reference, scenario.times()
     signals = (reference.phi_deg, reference.theta_deg, reference.psi_deg)
     return np.radians([float(np.max(np.abs(s.sample(t[:1] if s.constant is not None else t)))) for s in signals])
+
+
+def reach_of(model: TrimmedModel) -> np.ndarray:
+    """Return what each axis can do to either side, as measured at full command, rad, (3, 2)."""
+    return np.array(model.reach_rad if len(model.reach_rad) else model.limits_rad)
 
 
 def choose_airspeed(scenario: Scenario, aircraft: Aircraft, models: Sequence[TrimmedModel]) -> TrimmedModel:
@@ -93,7 +99,9 @@ def best_model(scenario: Scenario, models: Sequence[TrimmedModel]) -> TrimmedMod
     """Return the model at the lowest airspeed with ample authority, or else with the most, flyable or not."""
     ratios = []
     for model in models:
-        ratios.append(-1.0 if obstacles_of(model) else float(np.nanmin(authority_of(scenario, model).ratio)))
+        ratio = -1.0 if obstacles_of(model) else float(np.nanmin(authority_of(scenario, model).ratio))
+        spare = (1.0 - model.trim.get("throttle", 0.0)) / SPARE
+        ratios.append(ratio if spare >= 1.0 or ratio < 0.0 else spare * min(ratio, AMPLE))
     ample = [i for i, ratio in enumerate(ratios) if ratio >= AMPLE]
     return models[ample[0] if ample else int(np.argmax(ratios))]
 
@@ -132,7 +140,7 @@ def reasons_against_any(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
     """
     if found := obstacles_of(model) or contradictions(aircraft, model):
         return found
-    limits, nonlinearity, step = np.array(model.limits_rad), np.array(model.nonlinearity), np.full(3, STEP_RAD)
+    limits, nonlinearity, step = reach_of(model), np.array(model.nonlinearity), np.full(3, STEP_RAD)
     A, B = np.array(model.A), np.array(model.B)
     demand = {"A_m": np.array(A_M), "bandwidth": np.array(BANDWIDTH), "step": step}
     counted = authority(A, B, limits, **demand, axes=axes_of_model(model))

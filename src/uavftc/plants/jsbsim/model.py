@@ -152,9 +152,7 @@ def _cached(aircraft: Aircraft, checksum: str, speeds: tuple[float, ...], altitu
     if "error" in answer:
         fields = dict(answer["error"])
         raise InputError(fields.pop("where"), **fields)
-    from uavftc.plants.jsbsim.three import three  # noqa: PLC0415
-
-    return tuple(three(_read(model), aircraft) for model in answer["models"])
+    return tuple(_read(model) for model in answer["models"])
 
 
 def _written(model: TrimmedModel) -> dict[str, Any]:

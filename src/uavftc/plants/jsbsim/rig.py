@@ -130,7 +130,7 @@ def _modes(B: np.ndarray, reach: np.ndarray) -> list[tuple[np.ndarray, bool]]:
         for k in left:
             for s in (1.0, -1.0):
                 mirrored = full[:, k] * np.array([-s, s, -s])
-                apart = np.linalg.norm(full[:, j] - mirrored) / max(np.linalg.norm(full[:, j]), 1e-12)
+                apart = float(np.linalg.norm(full[:, j] - mirrored)) / max(float(np.linalg.norm(full[:, j])), 1e-12)
                 # nothing tells the sign of two surfaces without pitch: the same way up is the same deflection
                 lateral = max(abs(full[ROLL, j]), abs(full[YAW, j]))
                 if apart < MIRROR and lateral > MIRROR * abs(full[PITCH, j]) and partner is None:
