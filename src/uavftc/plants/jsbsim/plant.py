@@ -28,7 +28,7 @@ from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
 from uavftc.plants.jsbsim.positions import Followed
 from uavftc.plants.jsbsim.trim import WIND, Trim, start
-from uavftc.plants.jsbsim.writer import reader, writer
+from uavftc.plants.jsbsim.writer import reader, stepper, writer
 
 STATE_PROPERTIES = (
     "attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad",
@@ -162,7 +162,8 @@ class JSBSimPlant:
         get = [node(name).get_double_value for name in STATE_PROPERTIES]
         read = zip(self._followed.read, model.effectors, strict=True)
         positions = [node(e.position or "").get_double_value if follows else None for follows, e in read]
-        self._read = reader(self._in[2:], [*get, throttle, node(CONTACT).get_double_value, *positions])
+        getters = [*get, throttle, node(CONTACT).get_double_value, *positions]
+        self._read = reader(self._in[2:], getters)
         surfaces = [[node(e.command).set_double_value] for e in model.effectors]
         held = [[node(name).set_double_value for name in throttles] if holds else [], []]  # throttle, its integral
         moment, wind = [], []
@@ -173,7 +174,9 @@ class JSBSimPlant:
         if has_wind:
             moment = moment or [[]] * 3
             wind = [[node(name).set_double_value] for name in WIND]
-        self._write = writer(self._out, [*surfaces, *held, *moment, *wind])
+        setters = [*surfaces, *held, *moment, *wind]
+        self._write = writer(self._out, setters)
+        self._exchange = stepper(self._out, setters, self.fdm.run, self._in[2:], getters)
         self._write_surfaces = writer(self._out, surfaces)
 
     def before(self) -> list[Block]:
@@ -190,20 +193,19 @@ class JSBSimPlant:
         self._read()
         done = self._fly(program, rows, first, last)
         if self._followed.any:
-            self._followed.take(rows, first, done, self._in[len(self._in) - len(self.u_limits) :])
+            self._followed.take(rows, first, done, last, self._in[len(self._in) - len(self.u_limits) :])
         return done
 
     def _fly(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
-        step, frame, read = program.on(rows), self.fdm.run, self._read
-        write, write_surfaces = self._write, self._write_surfaces
+        step = program.on(rows)
         if self._frames == 1:
+            exchange = self._exchange
             for k in range(first, last):
                 if step(k, k + 1) == k:
                     return k
-                write()
-                frame()
-                read()
+                exchange()
             return last
+        frame, read, write, write_surfaces = self.fdm.run, self._read, self._write, self._write_surfaces
         again, more = program.again(rows), range(1, self._frames)
         for k in range(first, last):
             if step(k, k + 1) == k:
