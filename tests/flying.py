@@ -10,8 +10,9 @@ import numpy as np
 from uavftc.aircraft.definition import Aircraft
 from uavftc.analysis.metrics import INTEGRALS, metrics_of
 from uavftc.core.given import ControlDesign, Given
+from uavftc.core.layout import Layout
 from uavftc.core.program import Program
-from uavftc.core.signals import AXES, SURFACES, as_records, empty_rows
+from uavftc.core.signals import AXES, as_records, empty_rows
 from uavftc.flight.build import Flight, build_flight
 from uavftc.flight.fly import Outcome, fly_to_memory
 from uavftc.plants.interface import Plant, Timing
@@ -51,10 +52,25 @@ def jsbsim_plant(
 UNLIMITED = np.array([[-np.inf, np.inf]] * 3)
 
 
-def given_of(timing: Timing, steps: int, stops_rad: np.ndarray = UNLIMITED) -> Given:
-    """Return what a flight of three surfaces, one an axis, gives to its actuators."""
+HALE_GANGS = {
+    "aileron": {"left_aileron": 1.0, "right_aileron": -1.0}, "elevator": {"elevator": 1.0}, "rudder": {"rudder": 1.0}
+}  # fmt: skip
+HALE = Layout(
+    names=("left_aileron", "right_aileron", "elevator", "rudder"),
+    mixing=np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+    gangs=HALE_GANGS,
+    trim_rad=np.zeros(4),
+)
+"""The effectors of hale."""
+
+
+def given_of(timing: Timing, steps: int, stops_rad: np.ndarray | None = None, layout: Layout | None = None) -> Given:
+    """Return what a flight gives to its actuators; of three surfaces, one an axis, where `layout` says nothing else."""
+    layout = layout or Layout()
+    stops = np.array([[-np.inf, np.inf]] * len(layout.names)) if stops_rad is None else stops_rad
     design = ControlDesign(np.eye(3), np.eye(3), UNLIMITED, np.zeros(3), "test")
-    return Given(timing.h, timing.plant_step, steps, 0, SURFACES, stops_rad, np.eye(3), design)
+    own = (layout.names, stops, layout.mixing, design, layout.gangs, layout.trim_rad)
+    return Given(timing.h, timing.plant_step, steps, 0, *own)
 
 
 def bare(plant: Plant) -> Program:
@@ -62,10 +78,12 @@ def bare(plant: Plant) -> Program:
     return Program(plant.before(), plant.after(), substeps=plant.program_substeps)
 
 
-def deflected(n: int, u2: Any) -> np.ndarray:
-    """Return `n` rows in which each effector stands at the deflection `u2` of its axis, rad."""
-    rows = empty_rows(n)
-    as_records(rows)["u2"] = as_records(rows)["effectors"]["deflection"] = u2
+def deflected(n: int, u2: Any, layout: Layout | None = None) -> np.ndarray:
+    """Return `n` rows in which each effector stands as the deflection `u2` of its axis, rad, wants it."""
+    layout = layout or Layout()
+    rows = empty_rows(n, len(layout.names))
+    as_records(rows)["u2"] = u2
+    as_records(rows)["effectors"]["deflection"] = np.asarray(u2) @ layout.mixing.T
     return rows
 
 

@@ -32,7 +32,7 @@ def without(folder: Path, *surfaces: str) -> Path:
     companion = folder / "uavftc.yaml"
     text = companion.read_text(encoding="utf-8").split("analytic:")[0]
     for surface in surfaces:
-        text = re.sub(rf"\n  {surface}: .*", "", text)
+        text = re.sub(rf"\n  (left_|right_)?{surface}: .*", "", text)
     companion.write_text(text.replace("name: hale", f"name: {folder.name}"), encoding="utf-8")
     return folder
 

@@ -113,17 +113,21 @@ TYPOS = {
         ["hale.xml", "fcs/elevator-summ"],
     ),
     # names in the companion file: JSBSim would create them silently
-    "command": ("uavftc.yaml", [("fcs/aileron-cmd-norm", "fcs/aileron-cmd")], ["uavftc.yaml", "aileron.command"]),
+    "command": ("uavftc.yaml", [("fcs/left-aileron-cmd-norm", "fcs/aileron-cmd")], ["uavftc.yaml", "aileron.command"]),
     "elevator": ("uavftc.yaml", [("fcs/elevator-cmd-norm", "fcs/elevator-cmd")], ["uavftc.yaml", "elevator.command"]),
     "position": ("uavftc.yaml", [("fcs/rudder-pos-rad", "fcs/ruder-pos-rad")], ["uavftc.yaml", "rudder.position"]),
-    "throttle": ("uavftc.yaml", [("fcs/throttle-cmd-norm[0]", "fcs/throtle[0]")], ["uavftc.yaml", "throttle.command"]),
+    "throttle": (
+        "uavftc.yaml",
+        [("fcs/throttle-cmd-norm[0]", "fcs/throtle[0]")],
+        ["uavftc.yaml", "left_motor.throttle"],
+    ),
     "autothrottle": ("uavftc.yaml", [("ap/at-on", "ap/att-on")], ["uavftc.yaml", "autothrottle.switch", "ap/att-on"]),
     "moment": ("uavftc.yaml", [("moment: dist ", "moment: dst ")], ["uavftc.yaml", "disturbance_moment", "dst/l"]),
     # names that abort the process as soon as JSBSim is asked for them
     "name with a space": (
         "uavftc.yaml",
         [("fcs/rudder-cmd-norm", "fcs/rudder cmd")],
-        ["uavftc.yaml, line {line}, key surfaces.rudder.command", "fcs/rudder cmd"],
+        ["uavftc.yaml, line {line}, key effectors.rudder.command", "fcs/rudder cmd"],
     ),
     "name with a mark": ("uavftc.yaml", [("fcs/rudder-cmd-norm", "fcs/rudder!")], ["line {line}", "fcs/rudder!"]),
     "name with a digit first": ("uavftc.yaml", [("fcs/rudder-cmd-norm", "fcs/9r")], ["line {line}", "fcs/9r"]),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from closed_form import FreeRotation, angle_between, from_euler
 
-from flying import bare, deflected, given_of, jsbsim_plant
+from flying import HALE, bare, deflected, given_of, jsbsim_plant
 from uavftc.actuators import delay
 from uavftc.aircraft.definition import load_aircraft
 from uavftc.control import allocation
@@ -25,13 +25,16 @@ from uavftc.scenario.schema import Scenario
 FT, SLUGFT2 = 0.3048, 4.4482216152605 * 0.3048
 B_M = np.array([[10.0, 0.0, 0.225], [0.0, 7.5, 0.0], [1.125, 0.0, 6.75]])
 POSITIONS = ("fcs/left-aileron-pos-rad", "fcs/elevator-pos-rad", "fcs/rudder-pos-rad")
-COMMANDS = ("fcs/aileron-cmd-norm", "fcs/elevator-cmd-norm", "fcs/rudder-cmd-norm")
+NAMES = ("left_aileron", "elevator", "rudder")
+COMMANDS = (
+    "fcs/left-aileron-cmd-norm", "fcs/right-aileron-cmd-norm", "fcs/elevator-cmd-norm", "fcs/rudder-cmd-norm"
+)  # fmt: skip
 
 
 def test_rows_are_in_si(hale):
     # After 2 s of a disturbed flight, by now left of north, the row holds JSBSim's state in SI.
     plant = jsbsim_plant(hale, has_moment=True)
-    rows = empty_rows(402)
+    rows = empty_rows(402, 4)
     records = as_records(rows)
     records["d2"] = 0.02, 0.01, -0.01
     program = bare(plant)
@@ -62,14 +65,14 @@ def test_a_command_moves_the_surface_one_frame_later_and_the_rates_two(hale, sur
     plant = jsbsim_plant(hale)
     u2 = np.zeros((10, 3))
     u2[3:, surface] = 0.01
-    rows = deflected(10, u2)
+    rows = deflected(10, u2, HALE)
     records = as_records(rows)
     program = bare(plant)
     position = []
     for k in range(10):
         position.append(plant.fdm[POSITIONS[surface]])  # at t_k, before row k is flown
         plant.run(program, rows, k, k + 1)
-    moved = np.array(position) - plant.trim.surfaces[surface]
+    moved = np.array(position) - plant.trim.surfaces[HALE.names.index(NAMES[surface])]
     np.testing.assert_allclose(moved, np.where(np.arange(10) >= 4, 0.01, 0.0), atol=1e-14)
     rate = np.abs(records["x2"][:, surface])
     assert np.all(rate[:5] < 1e-9)
@@ -83,7 +86,7 @@ def test_a_small_deflection_gives_the_papers_acceleration(hale):
     # One frame after each command the body accelerations are B_m u: size, sign and unit (rad) of every surface at once.
     u2 = np.array([0.01, -0.02, 0.015])
     plant = jsbsim_plant(hale)
-    plant.run(bare(plant), deflected(1, u2), 0, 1)
+    plant.run(bare(plant), deflected(1, u2, HALE), 0, 1)
     np.testing.assert_allclose(_accelerations(plant.fdm), B_M @ u2, rtol=1e-6, atol=1e-9)
 
 
@@ -91,7 +94,7 @@ def test_a_small_deflection_gives_the_papers_acceleration(hale):
 def test_d2_is_exactly_an_angular_acceleration(hale, d2):
     # From rest the vehicle accelerates by d2 itself, no other axis by anything: the moment is J d2, products included.
     plant = jsbsim_plant(hale, has_moment=True)
-    rows = empty_rows(1)
+    rows = empty_rows(1, 4)
     as_records(rows)["d2"] = d2
     plant.run(bare(plant), rows, 0, 1)
     np.testing.assert_allclose(_accelerations(plant.fdm), d2, rtol=1e-9, atol=1e-9 * np.max(np.abs(d2)))
@@ -100,7 +103,7 @@ def test_d2_is_exactly_an_angular_acceleration(hale, d2):
 def test_d2_ends_with_its_window(hale):
     # A moment stays in JSBSim until it is overwritten: the frame after the window has J d2 no more.
     plant = jsbsim_plant(hale, has_moment=True)
-    rows = empty_rows(3)
+    rows = empty_rows(3, 4)
     as_records(rows)["d2"][:1] = 0.01, 0.0, 0.0
     program = bare(plant)
     rolling, yawing = [], []
@@ -145,18 +148,21 @@ def test_heading_is_continuous_in_flight(turn):
 
 
 def frames_flown(hale, commands, *, delay_s, substeps, h=0.01):
-    """Return the surface commands about trim at each frame, rad (hale's unit), and the rows' records."""
+    """Return the commands of the three axes about trim at each frame, rad (hale's unit), and the rows' records."""
     timing = Timing(h, substeps)
     plant = jsbsim_plant(hale, timing)
     plant.fdm = recorder = _Recorder(plant.fdm)
-    given = given_of(timing, len(commands))
+    plant._exchange = lambda: (plant._write(), recorder.run(), plant._read())
+    given = given_of(timing, len(commands), layout=HALE)
     allocate, gather = allocation.blocks(given)
     actuators = delay.blocks(delay.Config(delay_s=delay_s), given)
-    rows = empty_rows(len(commands))
+    rows = empty_rows(len(commands), 4)
     as_records(rows)["v2"] = commands
     program = Program(plant.before(), [allocate, *actuators, gather, *plant.after()])
     plant.run(program, rows, 0, len(rows))
-    return np.array(recorder.seen) - plant.trim.surfaces, as_records(rows)
+    seen = np.array(recorder.seen) - plant.trim.surfaces
+    np.testing.assert_array_equal(seen[:, 1], -seen[:, 0])  # the two ailerons
+    return seen[:, [0, 2, 3]], as_records(rows)
 
 
 COMMANDED = np.array([[0.03, -0.02, 0.01], [-0.01, 0.04, 0.02], [0.02, 0.0, -0.03]])
@@ -179,7 +185,7 @@ def test_the_surfaces_follow_the_delay_frame_by_frame(hale, samples, substeps):
     k = 3 + np.arange(3) - int(before)
     mean = flown.reshape(3, substeps, 3).mean(axis=1)
     np.testing.assert_allclose(mean, (1.0 - share) * line[k] + share * line[k - 1], atol=1e-15)
-    np.testing.assert_array_equal(records["u2"], records["effectors"]["deflection"])
+    np.testing.assert_array_equal(records["u2"], records["effectors"]["deflection"][:, [0, 2, 3]])
     np.testing.assert_allclose(records["u2"], flown[::substeps], atol=1e-15)  # a row holds what is flown from t_k on
 
 
@@ -192,7 +198,7 @@ def test_without_a_delay_only_the_present_command_is_flown(hale):
 def test_wind_reaches_the_aircraft_in_si(hale):
     # The row's wind, m/s north-east-down, is the total wind that JSBSim flies in, ft/s.
     plant = jsbsim_plant(hale, wind_n=np.zeros(3), has_wind=True)
-    rows = empty_rows(2)
+    rows = empty_rows(2, 4)
     as_records(rows)["wind_n"] = 3.0, -4.0, 1.5
     plant.run(bare(plant), rows, 0, 2)
     total = [FT * plant.fdm[f"atmosphere/total-wind-{x}-fps"] for x in ("north", "east", "down")]

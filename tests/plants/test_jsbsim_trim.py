@@ -80,7 +80,7 @@ def plant_at(hale, airspeed=30.0, altitude=1000.0, wind_n=(0.0, 0.0, 0.0)):
 
 def hands_off(plant, seconds, wind_n=(0.0, 0.0, 0.0)):
     """Fly at the trim commands, autothrottle on; return the records."""
-    rows = empty_rows(round(seconds * 200) + 1)
+    rows = empty_rows(round(seconds * 200) + 1, 4)
     as_records(rows)["wind_n"] = wind_n
     plant.run(bare(plant), rows, 0, len(rows))
     return as_records(rows)
@@ -119,7 +119,7 @@ def test_trim_is_alpha_zero_at_the_papers_condition(hale):
     # CL_0 was chosen so that alpha = theta = 0 is the level trim; the throttle follows from the propeller's table.
     trim = trimmed_model(hale, 30.0, 1000.0).trim
     assert trim["alpha"] == pytest.approx(0.0, abs=1e-6)
-    assert trim["surfaces"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
+    assert trim["surfaces"] == pytest.approx([0.0, 0.0, 0.0, 0.0], abs=1e-6)
     assert trim["throttle"] == pytest.approx(level_throttle(30.0, 1000.0), abs=1e-5)
 
 
@@ -135,7 +135,7 @@ class TestOtherConditions:
         trim = trimmed_model(hale, airspeed, altitude).trim
         alpha, elevator, _ = level_flight(airspeed, altitude)
         assert trim["alpha"] == pytest.approx(alpha, abs=1e-6)
-        assert trim["surfaces"] == pytest.approx([0.0, elevator, 0.0], abs=1e-6)
+        assert trim["surfaces"] == pytest.approx([0.0, 0.0, elevator, 0.0], abs=1e-6)
 
     def test_thrust_is_the_drag_of_the_published_polar(self, hale, airspeed, altitude):
         # The throttle found must make the propellers pull D / cos(alpha) in JSBSim.
@@ -221,8 +221,9 @@ def test_a_throttle_without_a_position_is_flown_and_its_command_recorded(tmp_pat
     folder = shutil.copytree(load_aircraft("hale").folder, tmp_path / "kite")
     (folder / "hale.xml").rename(folder / "kite.xml")
     text = (folder / "uavftc.yaml").read_text(encoding="utf-8")
-    kept = [line for line in text.splitlines() if not line.strip().startswith("position: [")]
-    assert len(kept) == len(text.splitlines()) - 1
+    kept = [line for line in text.splitlines() if "_motor: " not in line]
+    assert len(kept) == len(text.splitlines()) - 2
+    kept.append('throttle: {command: ["fcs/throttle-cmd-norm[0]", "fcs/throttle-cmd-norm[1]"]}')
     (folder / "uavftc.yaml").write_text("\n".join(kept), encoding="utf-8")
     assert load_aircraft(str(folder)).throttle.position is None
     scenario = load_scenario("scenario1", aircraft=str(folder), overrides=["duration_s=1"])

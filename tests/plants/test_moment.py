@@ -68,7 +68,7 @@ def test_every_aircraft_that_jsbsim_ships_can_take_it():
 def accelerations(aircraft, d2, *, airspeed, altitude, has_moment=True):
     """Return p_dot, q_dot, r_dot, rad/s^2, of the first frame from the trim."""
     plant = jsbsim_plant(aircraft, airspeed=airspeed, altitude=altitude, has_moment=has_moment)
-    rows = empty_rows(1)
+    rows = empty_rows(1, len(plant.u_limits))
     as_records(rows)["d2"] = d2
     plant.run(bare(plant), rows, 0, 1)
     return np.array([plant.fdm[f"accelerations/{x}dot-rad_sec2"] for x in "pqr"])

@@ -267,6 +267,9 @@ class _Walk:
     def outputs(self) -> None:
         """Check that no output misses, by a letter, the position that the companion file names."""
         positions = {_bare(name) for key, name in self.aircraft.properties() if key.endswith("position")}
+        positions |= {
+            _bare(name.replace("-cmd-", "-pos-")) for name in self.aircraft.engines().values()
+        }  # JSBSim's own
         for position in sorted(positions - set(self.written)):
             stray = [name for name in self.written if name not in self.read | positions]
             for name in difflib.get_close_matches(position, stray, 1, 0.9):
