@@ -16,6 +16,7 @@ from matplotlib.ticker import NullLocator
 
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
+from uavftc.report.effectors_text import effect_text, has_table, weight_text
 from uavftc.report.fleet_table import times
 from uavftc.report.panels import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
 from uavftc.results.single import figure_metadata, write_figure
@@ -32,18 +33,24 @@ def write_design_figure(file: Path, document: dict[str, Any]) -> None:
 
 
 def design_figure(document: dict[str, Any]) -> Figure:
-    """Return poles (longitudinal, lateral), authority and B, drawn."""
+    """Return poles (longitudinal, lateral), authority, B and, where there are more than three, each effector, drawn."""
     trim = document["trim"]
-    fig = Figure(figsize=(13.0, 9.6), layout="constrained")
+    effectors = document["effectors"] if has_table(document["effectors"]) else []
+    fig = Figure(figsize=(13.0, 13.2 if effectors else 9.6), layout="constrained")
     fig.get_layout_engine().set(w_pad=0.12, h_pad=0.1)  # type: ignore[union-attr, call-arg]
     title = f"{document['aircraft']} at {trim['airspeed_mps']:g} m/s, {trim['altitude_m']:g} m: {document['verdict']}"
     fig.suptitle("\n".join([title, *document["reasons"]]), fontsize=14, fontweight="bold", parse_math=False)
-    (longitudinal, lateral), (authority, matrix) = fig.subplots(2, 2, height_ratios=(1.25, 1.0))
+    rows: list[Any] = [["longitudinal", "lateral"], ["authority", "matrix"], ["effectors"] * 2][: 3 if effectors else 2]
+    heights = (1.25, 1.0, 1.0)[: len(rows)]
+    axes = fig.subplot_mosaic(rows, height_ratios=heights)
+    longitudinal, lateral, authority, matrix = (axes[name] for name in (*rows[0], *rows[1]))
     for letter, ax, motion in (("a", longitudinal, "longitudinal"), ("b", lateral, "lateral")):
         _poles(ax, document, motion)
         ax.set_title(f"({letter}) {motion} modes")
     _authority(authority, document)
     _matrix(matrix, document)
+    if effectors:
+        _effectors(axes["effectors"], effectors)
     handles, labels = longitudinal.get_legend_handles_labels()
     longitudinal.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
     return fig
@@ -158,6 +165,34 @@ def _matrix(ax: Axes, document: dict[str, Any]) -> None:
     ax.grid(False)
     for side in ("left", "bottom"):
         ax.spines[side].set_visible(False)
+
+
+def _effectors(ax: Axes, effectors: list[dict[str, Any]]) -> None:
+    """Write what each effector does at full deflection, coloured by its share of the strongest about the axis."""
+    reach = np.array([max(map(abs, e["limits_rad"])) for e in effectors])
+    full = np.array([[e["B"][f"{rate}_dot"] for e in effectors] for rate in "pqr"]) * reach
+    strongest = np.maximum(np.max(np.abs(full), axis=1), 1e-12)
+    ax.set_title("(e) what each effector does at its further limit, rad/s$^2$; below it, deflection per axis command")
+    size = 13 if len(effectors) <= 8 else max(8, 18 - len(effectors) // 2)
+    for i, j in np.ndindex(full.shape):
+        colour = ORANGE if full[i, j] < 0.0 else BLUE
+        ax.add_patch(_cell(i, j, colour, FULL * abs(full[i, j]) / strongest[i]))
+        weight = weight_text(effectors[j]["per_axis_command"][AXES[i]])
+        ax.text(j, i - 0.12, _minus(effect_text(full[i, j], strongest[i])), ha="center", va="center", fontsize=size)
+        ax.text(j, i + 0.26, _minus(weight), ha="center", va="center", fontsize=size - 3, color="#555555")
+    ax.set_xlim(-0.5, len(effectors) - 0.5)
+    ax.set_ylim(2.5, -0.5)
+    turned = {"rotation": 20, "ha": "right"} if max(len(e["name"]) for e in effectors) * len(effectors) > 100 else {}
+    ax.set_xticks(range(len(effectors)), [e["name"] for e in effectors], **turned)  # type: ignore[arg-type]
+    ax.set_yticks(range(3), [f"{axis}, $\\dot {rate}$" for axis, rate in zip(AXES, "pqr", strict=True)])
+    ax.tick_params(length=0)
+    ax.grid(False)
+    for side in ("left", "bottom"):
+        ax.spines[side].set_visible(False)
+
+
+def _minus(text: str) -> str:
+    return "\N{EN DASH}" if text == "-" else text.replace("-", "\N{MINUS SIGN}")
 
 
 def _cell(row: int, column: int, colour: str, alpha: float) -> Any:

@@ -13,14 +13,17 @@ from rich.text import Text
 
 from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
+from uavftc.report import effectors_text
 from uavftc.report.fleet_table import times
 
 Line = Callable[..., None]
+FRAME_S = 5e-3  # the plant step that any aircraft flies with, unless its engines need a shorter one
 
 METHODS = {
     "jsbsim": "JSBSim's own trim",
     "own": "the project's trim",
     "glide": "a glide, no engines",
+    "solved": "the project's trim, with servos and backlash",
 }
 
 
@@ -82,6 +85,7 @@ def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> No
         short = document["controlled"][axis] or refused
         table.add_row(*map(Text, row), style="red" if short and not (found and found["ratio"] >= 1.0) else "")
     _print_table(console, table)
+    _print_effectors(console, line, document)
     reported = dict(zip(SURFACES, document["deflection_measured"], strict=True))
     if unknown := [name for name in has if not reported[name]]:
         line(f"deflection not reported by the aircraft, full command counts as 20 deg: {', '.join(unknown)}")
@@ -89,6 +93,21 @@ def _print_trimmed(console: Console, line: Line, document: dict[str, Any]) -> No
     rank = f"rate loop: rank {controllability['rank']} of {controllability['axes']}, condition of B "
     rank += "-" if condition is None else f"{condition:.4g}"
     line(f"{rank} (at most {controllability['condition_max']:g})")
+
+
+def _print_effectors(console: Console, line: Line, document: dict[str, Any]) -> None:
+    effectors = document["effectors"]
+    if effectors_text.has_table(effectors):
+        headers = ["roll\n", "pitch\n", "yaw\n", "p_dot\n[1/s^2]", "q_dot\n[1/s^2]", "r_dot\n[1/s^2]"]
+        table = _table("", "limits\n[deg]", *headers)
+        for row in effectors_text.rows(effectors):
+            table.add_row(*map(Text, row))
+        console.print(table)
+        line("roll, pitch, yaw: deflection per deflection of the axis; p_dot, q_dot, r_dot: effect per rad\n")
+    for text in (*effectors_text.servo_lines(effectors), *effectors_text.full_lines(effectors)):
+        line(text)
+    if document["propulsion"]["frame_s"] < FRAME_S:
+        line(f"plant step: its propellers need {1e3 * document['propulsion']['frame_s']:g} ms or less")
 
 
 def _print_loop(console: Console, line: Line, document: dict[str, Any]) -> None:

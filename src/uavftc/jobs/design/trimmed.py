@@ -20,6 +20,7 @@ from uavftc.flight.condition import (
     largest_step,
     reasons_against,
 )
+from uavftc.jobs.design.effectors import axis_deflections, effector_list, engines_section
 from uavftc.plants.jsbsim.model import TrimmedModel, trimmed_model, trimmed_models
 from uavftc.scenario.schema import Scenario
 
@@ -62,6 +63,9 @@ def trimmed_sections(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
         "nonlinearity": model.nonlinearity,
         "authority": authority_section(scenario, model),
         "throttle_mps2": model.throttle_mps2,
+        "effectors": effector_list(model),
+        "gangs": {axis: dict(members) for axis, members in model.gangs.items()},
+        "propulsion": engines_section(model),
     }
 
 
@@ -77,9 +81,7 @@ def trim_section(model: TrimmedModel) -> dict[str, Any]:
     A surface that the aircraft does not have has no deflection.
     """
     trim = model.trim
-    commands, pedals = np.array(trim["surfaces"]), np.array(trim["trim_commands"])
-    deflections = (commands + pedals) * np.array(model.rad_per_command)
-    surfaces = zip(SURFACES, deflections, held_axes(model), strict=True)
+    surfaces = zip(SURFACES, axis_deflections(model), held_axes(model), strict=True)
     names = ("u_dot_mps2", "v_dot_mps2", "w_dot_mps2", "p_dot_radps2", "q_dot_radps2", "r_dot_radps2")
     return {
         "method": trim["method"],
@@ -89,8 +91,8 @@ def trim_section(model: TrimmedModel) -> dict[str, Any]:
         "theta_rad": trim["theta"],
         "phi_rad": trim["phi"],
         "gamma_rad": trim["theta"] - trim["alpha"],
-        "surface_commands": dict(zip(SURFACES, commands, strict=True)),
-        "trim_commands": dict(zip(AXES, pedals, strict=True)),
+        "surface_commands": dict(zip(model.names, trim["surfaces"], strict=True)),
+        "trim_commands": dict(zip(AXES, trim["trim_commands"], strict=True)),
         **{f"{name}_rad": value if own else None for name, value, own in surfaces},
         "throttle": trim["throttle"],
         "residual": dict(zip(names, trim["residual"], strict=True)),
