@@ -30,6 +30,7 @@ STANDARD = {
     "rudder": standard("rudder", "rudder"),
 }
 TRIED = 80  # properties at most
+LASTING = 0.4  # share of an effect that may stay when a command is released: backlash, or a slow servo
 STEPS = {"rad": 0.1, "deg": 5.0, "": 0.3}  # of a command that is tried, by its unit
 NOT_SURFACES = re.compile(r"throttle|mixture|advance|brake|gear|steer|starter|magneto|hold|mode|heading|altitude|wow")
 _ENVIRONMENT = ("aero/", "velocities/", "metrics/", "atmosphere/", "position/", "attitude/", "inertia/", "forces/")
@@ -127,8 +128,25 @@ def effector_name(name: str, taken: dict[str, Surface]) -> str:
     return text[:60]
 
 
+def why_none(fdm: jsbsim.FGFDMExec) -> str:
+    """Return in words what JSBSim's standard commands do, of an aircraft in which no effector was found."""
+    parts = []
+    for name, surface in STANDARD.items():
+        size, left, _, _ = _answer(fdm, surface.command, [])
+        parts.append(f"{name} {size:.2g} rad/s^2" + (f" ({left:.2g} of it stays when it is released)" if left else ""))
+    return f"what {STEPS['']:g} of JSBSim's standard commands moves: {', '.join(parts)}"
+
+
 def try_out(fdm: jsbsim.FGFDMExec, name: str, watched: list[str]) -> Tried | None:
     """Return what a property does, or None where it moves no angular acceleration, or not for as long as it is set."""
+    size, left, change, moved = _answer(fdm, name, watched)
+    if not math.isfinite(size + left) or size < RESPONSE_MIN or left > LASTING * size:
+        return None
+    return Tried(name, change, moved)
+
+
+def _answer(fdm: jsbsim.FGFDMExec, name: str, watched: list[str]) -> tuple[float, float, np.ndarray, frozenset[str]]:
+    """Return size, what is left of it, rad/s^2, change of the accelerations (6,) and what is moved, of one step."""
     value = fdm[name]
     base, positions = settle(fdm, patience_s=1.0), [fdm[n] for n in watched]
     fdm[name] = value + STEPS[unit(name)]
@@ -141,13 +159,9 @@ def try_out(fdm: jsbsim.FGFDMExec, name: str, watched: list[str]) -> Tried | Non
     set_from_below(fdm, {name: value}, {name: 0.05 * STEPS[unit(name)]})
     back = settle(fdm, patience_s=3.0)
     change = after - base
-    size = float(np.max(np.abs(change[3:])))
-    left = float(np.max(np.abs(back - base)[3:]))
-    if not math.isfinite(size + left) or size < RESPONSE_MIN or left > 0.4 * size:
-        return None
     if engines.count(fdm) and abs(engines.pull(fdm) - thrust) > 0.05 * engines.weight(fdm):
-        return None  # an engine
-    return Tried(name, change, moved)
+        return 0.0, 0.0, change, moved  # an engine
+    return float(np.max(np.abs(change[3:]))), float(np.max(np.abs(back - base)[3:])), change, moved
 
 
 def throttles(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> tuple[str, ...]:

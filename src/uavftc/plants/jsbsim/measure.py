@@ -27,6 +27,7 @@ from uavftc.plants.jsbsim.trim import Trim, configure, freeze, place, set_thrott
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG
 
 MANY = 6  # surfaces
+BEYOND = 2  # airspeeds in a row without a trim, after one with: the top speed is passed
 DEADLINE_S = 20.0  # for all airspeeds of an aircraft together
 CL_MAX = 1.4  # of a wing without flaps, for the lowest airspeed that is tried
 SLOWEST, FASTEST = 1.05, 4.5  # airspeeds tried, in stall speeds
@@ -68,14 +69,21 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
             speeds = speeds[::2]  # each takes seconds
     found: list[TrimmedModel] = []
     nearest: list[Nearest] = []
+    beyond = 0
     for speed in speeds:
-        if time.monotonic() > deadline:
+        # what has been found never depends on the clock; only the search for a first one is given up
+        if not found and time.monotonic() > deadline:
             break
-        trim, fdm = trim_at(bench, speed, deadline, found[-1].trim if found else None)
+        trim, fdm = trim_at(bench, speed, math.inf if found else deadline, found[-1].trim if found else None)
         if isinstance(trim, Trim):
             found.append(model_at(bench, trim, fdm))
-        elif trim is not None:
+            beyond = 0
+            continue
+        beyond += bool(found)
+        if trim is not None:
             nearest.append(trim)
+        if beyond == BEYOND:
+            break
     if not found:
         raise _no_trim(bench, speeds, min(nearest, key=lambda n: n.error, default=None))
     return found
@@ -98,12 +106,19 @@ def prepare(aircraft: Aircraft, altitude: float, airspeed: float | None) -> Benc
     if not surfaces:
         raise NoTrimError(
             f"aircraft {aircraft.name}, {aircraft.xml}",
-            found="no surface: none of JSBSim's standard commands, and no property that the flight controls read and "
-            "nothing writes, moves an angular acceleration",
+            found="no surface: no property that the flight controls read and nothing writes moves an angular "
+            f"acceleration for as long as it is set; {discover.why_none(fdm)}",
             expected="an aircraft whose surfaces can be commanded",
             remedy="name its surfaces in a companion file, key effectors (docs/new-aircraft.md)",
         )
     rig = rough(aircraft, fdm, surfaces)._replace(throttles=throttles, way=way, frame_s=frame)
+    if not np.all(np.isfinite(rig.B)):
+        raise NoTrimError(
+            f"aircraft {aircraft.name}, at {speed:.3g} m/s and {altitude:g} m",
+            found="accelerations that are not a number, in level flight with the commands at rest",
+            expected="an aircraft whose forces and moments are finite",
+            remedy="look for a division by zero, or a missing property, in the aerodynamics and the engines",
+        )
     if not can_be_held(rig.axes):
         _refuse_axes(aircraft, rig)
     return Bench(aircraft, altitude, rig, stall, powered)

@@ -16,7 +16,7 @@ import numpy as np
 from uavftc.plants.jsbsim import engines
 from uavftc.plants.jsbsim.rig import Rig
 from uavftc.plants.jsbsim.settle import set_from_below, settle
-from uavftc.plants.jsbsim.trim import TOLERANCE, Trim, configure, freeze, of_rig, place, set_throttle
+from uavftc.plants.jsbsim.trim import JSBSIM_TOLERANCE, TOLERANCE, Trim, configure, freeze, of_rig, place, set_throttle
 
 ALPHA, THIRD, PHI, BETA = range(4)
 STEP = np.array([2e-3, 0.02, 5e-3, 5e-3, 0.01, 0.01, 0.01])  # of the differences
@@ -26,6 +26,8 @@ LEVEL = ((-0.25, 0.45), (0.0, 1.0), (-0.4, 0.4), (-0.2, 0.2))  # bounds: alpha, 
 GLIDE = (-0.7, 0.2)
 STARTS = (0.5, 0.25, 0.8)  # throttle
 ITERATIONS = 14
+SOLVED = 1e-8  # m/s^2 and rad/s^2: nothing more is gained
+ACCEPTED = JSBSIM_TOLERANCE  # what engines that never come to rest, or burn fuel, may leave
 EQUATIONS = ("u_dot", "v_dot", "w_dot", "p_dot", "q_dot", "r_dot")
 UNITS = ("m/s^2",) * 3 + ("rad/s^2",) * 3
 NEAR = 1e-3  # of a bound's range: counts as at it
@@ -100,23 +102,23 @@ class Search:
         """
         best: tuple[float, np.ndarray, np.ndarray] | None = None
         level = [np.array([0.05, t, 0.0, 0.0, 0.0, 0.0, 0.0]) for t in ((-0.08,) if self.glides else STARTS)]
-        for first in [*([] if start is None else [start]), *level]:
+        for first in level if start is None else [start, level[0]]:
             x, f = self._newton(first, deadline)
             size = float(np.max(np.abs(f)))
             if np.isfinite(size) and (best is None or size < best[0]):
                 best = size, x, f
-            if size < TOLERANCE or time.monotonic() > deadline:
+            if size < TOLERANCE or (size < ACCEPTED and best[0] == size) or time.monotonic() > deadline:
                 break
         if best is None:
             return None
         found = self.trim(best[1], best[2])
-        return found if best[0] < TOLERANCE else Nearest(found, self._at(best[1]))
+        return found if best[0] < ACCEPTED else Nearest(found, self._at(best[1]))
 
     def _newton(self, x: np.ndarray, deadline: float) -> tuple[np.ndarray, np.ndarray]:
         x = np.clip(x, *self.bounds.T)
         f = self.error(x)
         for _ in range(ITERATIONS):
-            if np.max(np.abs(f)) < 1e-9 or not np.all(np.isfinite(f)) or time.monotonic() > deadline:
+            if np.max(np.abs(f)) < SOLVED or not np.all(np.isfinite(f)) or time.monotonic() > deadline:
                 break
             J = np.column_stack([self._slope(x, f, i) for i in self.free])
             if not np.all(np.isfinite(J)):
