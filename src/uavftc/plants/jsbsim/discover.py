@@ -29,7 +29,7 @@ STANDARD = {
     "elevator": standard("elevator", "elevator"),
     "rudder": standard("rudder", "rudder"),
 }
-TRIED = 80  # properties at most
+TRIED = 40  # properties at most
 LASTING = 0.4  # share of an effect that may stay when a command is released: backlash, or a slow servo
 STEPS = {"rad": 0.1, "deg": 5.0, "": 0.3}  # of a command that is tried, by its unit
 NOT_SURFACES = re.compile(r"throttle|mixture|advance|brake|gear|steer|starter|magneto|hold|mode|heading|altitude|wow")
@@ -148,16 +148,16 @@ def try_out(fdm: jsbsim.FGFDMExec, name: str, watched: list[str]) -> Tried | Non
 def _answer(fdm: jsbsim.FGFDMExec, name: str, watched: list[str]) -> tuple[float, float, np.ndarray, frozenset[str]]:
     """Return size, what is left of it, rad/s^2, change of the accelerations (6,) and what is moved, of one step."""
     value = fdm[name]
-    base, positions = settle(fdm, patience_s=1.0), [fdm[n] for n in watched]
+    base, positions = settle(fdm, patience_s=0.3), [fdm[n] for n in watched]
     fdm[name] = value + STEPS[unit(name)]
-    after = settle(fdm, patience_s=3.0)
+    after = settle(fdm, patience_s=2.0)
     moved = frozenset(
         n for n, p in zip(watched, positions, strict=True)
         if n != name and abs(fdm[n] - p) > 1e-6 * max(1.0, abs(p))
     )  # fmt: skip
     thrust = engines.pull(fdm) if engines.count(fdm) else 0.0
     set_from_below(fdm, {name: value}, {name: 0.05 * STEPS[unit(name)]})
-    back = settle(fdm, patience_s=3.0)
+    back = settle(fdm, patience_s=2.0)
     change = after - base
     if engines.count(fdm) and abs(engines.pull(fdm) - thrust) > 0.05 * engines.weight(fdm):
         return 0.0, 0.0, change, moved  # an engine

@@ -30,7 +30,7 @@ from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import strict
 
-TIMEOUT_S = 60.0
+TIMEOUT_S = 120.0
 FRAME_S = 0.005  # the trim does not depend on the rate at which it is flown
 NOMINAL_RAD = 0.35  # stands for the deflection at full command of a surface that reports none
 ALTITUDE_M = 1500.0  # where nothing says otherwise

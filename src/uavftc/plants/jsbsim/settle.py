@@ -10,7 +10,7 @@ from uavftc.plants.jsbsim.units import FT_M
 WINDOW_S = 0.1
 AT_REST = 1e-9  # change in a window, of the largest acceleration or of 1 m/s^2, that counts as none
 FINE_S = 4e-3  # frames below this are many
-PATIENCE_S = 4.0  # a servo of 8 rad/s comes to rest in 2.6 s; an autopilot that integrates never does
+PATIENCE_S = 2.6  # a servo of 8 rad/s comes to rest in it; an autopilot that integrates never does
 
 ACCELERATIONS = (
     "accelerations/udot-ft_sec2", "accelerations/vdot-ft_sec2", "accelerations/wdot-ft_sec2",
