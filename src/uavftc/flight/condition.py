@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
-from uavftc.analysis.authority import Authority, authority, can_be_held, controlled_axes, obstacles, response
+from uavftc.analysis.authority import RATIO_MIN, Authority, authority, can_be_held, controlled_axes, obstacles, response
 from uavftc.control.inner.predictor import A_M
 from uavftc.core.axes import Controlled, left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
@@ -101,7 +101,8 @@ def best_model(scenario: Scenario, models: Sequence[TrimmedModel]) -> TrimmedMod
     for model in models:
         ratio = -1.0 if obstacles_of(model) else float(np.nanmin(authority_of(scenario, model).ratio))
         spare = (1.0 - model.trim.get("throttle", 0.0)) / SPARE
-        ratios.append(ratio if spare >= 1.0 or ratio < 0.0 else spare * min(ratio, AMPLE))
+        short_of_thrust = spare < 1.0 and ratio > RATIO_MIN
+        ratios.append(RATIO_MIN + spare * (min(ratio, AMPLE) - RATIO_MIN) if short_of_thrust else ratio)
     ample = [i for i, ratio in enumerate(ratios) if ratio >= AMPLE]
     return models[ample[0] if ample else int(np.argmax(ratios))]
 

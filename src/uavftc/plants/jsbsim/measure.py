@@ -66,7 +66,7 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
         low, high = SLOWEST * bench.stall, FASTEST * bench.stall
         speeds = tuple(v for v in speeds if low <= v <= high) or (TYPICAL * bench.stall,)
         if bench.rig.frame_s < FRAME_S or len(bench.rig.surfaces) > MANY:
-            speeds = speeds[::2]  # each takes seconds
+            speeds = speeds[1::2] or speeds  # each takes seconds
     found: list[TrimmedModel] = []
     nearest: list[Nearest] = []
     beyond = 0

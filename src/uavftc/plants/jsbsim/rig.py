@@ -2,8 +2,9 @@
 
 Gangs are found by symmetry of the measured effect: two surfaces that mirror each other serve pitch together, and roll
 or yaw against each other. Where that leaves more than one gang an axis, all surfaces share each axis instead, by the
-weighted pseudo-inverse M = W B^T (B W B^T)^-1, W the square of each surface's reach: the least deflections, each
-counted against its own reach. Columns are scaled so that 1 rad of an axis moves its first surface by 1 rad.
+weighted pseudo-inverse M = W B^T (B W B^T)^-1, each surface counted against its own reach. For each axis W is weighted
+again by what each surface is used, until the sum of the 8th powers of the used shares is least: no surface is at its
+end long before the others. Columns are scaled so that 1 rad of an axis moves its most moved surface by 1 rad.
 """
 
 from __future__ import annotations
@@ -20,6 +21,10 @@ from uavftc.core.signals import SURFACES
 MIRROR = 0.1  # relative difference of effect between two surfaces that count as a mirrored pair
 WEAK = 0.5  # share of the strongest of an axis below which a mode does not serve it
 SHOWN = 0.2  # weight from which a surface counts as a member of a gang
+NORM = 8  # of the used shares, see the module; 2 is the plain pseudo-inverse
+DAMPED = 1.0 / (NORM - 1)  # part of a new weight that is taken: with more the iteration does not settle
+REWEIGHTED = 80  # times
+LEAST_USED = 0.02  # share below which a surface counts as used so much
 ROLL, PITCH, YAW = range(3)
 
 
@@ -113,10 +118,17 @@ def axes_of(names: tuple[str, ...], B: np.ndarray, reach: np.ndarray, mixing: np
 
 def shared(B: np.ndarray, reach: np.ndarray, axes: list[int]) -> np.ndarray:
     """Return the weighted pseudo-inverse of B, (3, n) 1/s^2 per rad, for the controlled axes; see the module."""
-    W, own = np.diag(reach**2), B[axes]
-    M = np.zeros((B.shape[1], 3))
-    M[:, axes] = W @ own.T @ np.linalg.inv(own @ W @ own.T)
-    return M / np.where(np.any(M, axis=0), np.max(np.abs(M), axis=0), 1.0)
+    own, M = B[axes], np.zeros((B.shape[1], 3))
+    for row, axis in enumerate(axes):
+        share = np.ones(B.shape[1])
+        for _ in range(REWEIGHTED):
+            W = np.diag(reach**2 / share)
+            u = W @ own.T @ np.linalg.solve(own @ W @ own.T, np.eye(len(axes))[row])
+            used = np.abs(u) / reach
+            asked = np.maximum(used / used.max(), LEAST_USED) ** (NORM - 2)
+            share = share ** (1.0 - DAMPED) * asked**DAMPED
+        M[:, axis] = u / np.max(np.abs(u))
+    return M
 
 
 def _modes(B: np.ndarray, reach: np.ndarray) -> list[tuple[np.ndarray, bool]]:
