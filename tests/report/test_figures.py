@@ -130,6 +130,25 @@ def test_control_shows_limits_faults_and_their_labels(make_history):
     assert (window.get_x(), window.get_x() + window.get_width()) == (8.0, 20.0)
 
 
+def test_control_shows_each_effector_that_is_not_the_surface_of_an_axis(make_history):
+    # of three, two panels in the fourth row and one in the fifth, each with its command, position, limits and faults
+    history, t = make_history(4001), np.arange(4001) / 200.0
+    for j, name in enumerate(("left_flap", "right_flap", "slat")):
+        history[f"{name}_cmd_rad"], history[f"{name}_rad"] = 0.01 * j + 0.001 * t, 0.01 * j + 0.0005 * t
+    fault = FaultWindow("right_flap", 2.0, 4.0, "ω = 0.1")
+    with panels.style():
+        fig = figures.control(history, FigureContext("x", limits_rad={"slat": (-0.01, 0.05)}, faults=[fault]))
+    left, right, slat, hidden = fig.axes[6:]
+    assert [ax.get_title() for ax in (left, right, slat)] == ["(g) left flap", "(h) right flap", "(i) slat"]
+    assert not hidden.get_visible()
+    command, position = (line.get_ydata() for line in right.lines[:2])
+    np.testing.assert_allclose((command[-1], position[-1]), np.degrees((0.01 + 0.02, 0.01 + 0.01)), rtol=1e-12)
+    assert (len(left.patches), len(right.patches), len(slat.patches)) == (0, 1, 0)
+    limits = [line.get_ydata()[0] for line in slat.lines if line.get_label() == "limit"]
+    np.testing.assert_allclose(limits, np.degrees([-0.01, 0.05]))
+    assert fig.get_size_inches()[1] > 8.6
+
+
 def test_limits_far_away_are_named_and_do_not_flatten_the_curve(make_history):
     far = FigureContext("x", limits_rad={"aileron": (-0.6, 0.6)})
     with panels.style():

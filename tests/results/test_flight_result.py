@@ -44,9 +44,12 @@ def test_the_summary_is_that_of_the_flight(result: FlightResult) -> None:
 def test_the_figures_are_given_faults_limits_and_disturbances(result: FlightResult) -> None:
     context = result.figure_context()
     assert context.title == "scenario3: nndondi-l1 on hale, analytic"
-    assert context.limits_rad == dict.fromkeys(("aileron", "elevator", "rudder"), (-0.05, 0.1))
-    assert len(context.faults) == 5
+    same = dict.fromkeys(("aileron", "elevator", "rudder", "left_aileron"), (-0.05, 0.1))
+    assert context.limits_rad == {**same, "right_aileron": (-0.1, 0.05)}
+    ailerons = ["aileron", "left_aileron", "right_aileron"]
+    assert [f.surface for f in context.faults] == [*ailerons, "elevator", *ailerons, "elevator", "rudder"]
     assert context.faults[0] == FaultWindow("aileron", 0.0, 8.0, "ω = 0.5")
+    assert context.faults[2] == FaultWindow("right_aileron", 0.0, 8.0, "aileron: ω = 0.5")
     assert context.faults[-1] == FaultWindow("rudder", 8.0, 12.0, "ω = 0.2*t\nbias 3*cos(0.1*t) deg")
     assert list(context.disturbances_s) == [10.0]  # what begins at 13 s is past the flight
     assert not context.wind

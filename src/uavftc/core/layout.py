@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ Gangs = Mapping[str, Mapping[str, float]]
 Targets = Mapping[str, Mapping[int, float]]
 """What a fault or a limit may name: an effector or a gang, with the places of its effectors and the weight of each."""
 
-OWN_GANGS: Gangs = MappingProxyType({name: MappingProxyType({name: 1.0}) for name in SURFACES})
+OWN_GANGS: Gangs = {name: {name: 1.0} for name in SURFACES}
 """One surface an axis."""
 
 
@@ -33,6 +32,11 @@ class Layout(NamedTuple):
     """Of the position that the aircraft reports, per deflection, shape (n,); 0 where it reports none."""
     read: np.ndarray = np.zeros(3, dtype=bool)
     """Whether the plant reads the position in flight; else it is trim + deflection, shape (n,)."""
+
+    @property
+    def targets(self) -> Targets:
+        """What a fault or a limit may name."""
+        return targets_of(self.names, self.gangs)
 
     @property
     def columns(self) -> tuple[Column, ...]:

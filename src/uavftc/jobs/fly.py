@@ -78,7 +78,7 @@ def fly_mission(
                 hold.take()
             axes = metrics.axes(completed=outcome.completed)
             remarks = (*notes_of(flight), *trusted.remarks())
-            result = FlightResult(flight.scenario, outcome, axes, None, origin, remarks)
+            result = FlightResult(flight.scenario, outcome, axes, None, origin, remarks, flight.layout)
             (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
             document = result.summary()
             if figures:

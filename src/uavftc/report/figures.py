@@ -6,6 +6,7 @@ module imports matplotlib (0.7 s), so import it where figures are drawn.
 
 from __future__ import annotations
 
+import string
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from uavftc.results.context import FaultWindow, FigureContext
 
 ANGLES, RATES = ("phi", "theta", "psi"), ("p", "q", "r")
 _LARGEST = 1e9  # beyond it, the end of a diverged flight is not drawn: it would overflow the axes
-_LETTERS = "abcdefghi"
+_LETTERS = string.ascii_letters
 REFERENCE = {"color": BLACK, "linestyle": (0, (5, 3)), "linewidth": 1.3, "zorder": 3}
 
 History = Mapping[str, np.ndarray]
@@ -89,9 +90,13 @@ def tracking(history: History, context: FigureContext) -> Figure:
 
 
 def control(history: History, context: FigureContext) -> Figure:
-    """Commanded and actual body rates, left; commanded and actual deflection, right (figures 4, 7, 10)."""
-    t = history["time_s"]
-    fig, axes = panels.new_figure(context.title, 3, 2, (11.0, 8.6))
+    """Commanded and actual body rates, left; commanded and actual deflection, right (figures 4, 7, 10).
+
+    Below, where an aircraft has other effectors than the surfaces of the axes, one panel for each.
+    """
+    t, others = history["time_s"], effectors_of(history)
+    rows = 3 + (len(others) + 1) // 2
+    fig, axes = panels.new_figure(context.title, rows, 2, (11.0, 8.6 + 2.6 * (rows - 3)))
     panels.fit_t(axes[0, 0], t)
     for i, (rate, surface) in enumerate(zip(RATES, SURFACES, strict=True)):
         left, right = axes[i]
@@ -118,8 +123,28 @@ def control(history: History, context: FigureContext) -> Figure:
         drawn += panels.limits(right, drawn, limits_deg(context, surface))
         panels.fit_y(right, drawn, least=0.2, headroom=panels.shade(right, windows, name="fault"))
         name_panel(right, 2 * i + 1, surface, "deflection [deg]")
+    for k, name in enumerate(others):
+        ax = axes[3 + k // 2, k % 2]
+        look = {"color": VERMILLION, "label": "command, trim included", "linewidth": 2.6}
+        drawn = [
+            panels.curve(ax, t, deg(history, f"{name}_cmd_rad"), **look),
+            panels.curve(ax, t, deg(history, f"{name}_rad"), color=SKY, label="position", linewidth=1.3),
+        ]
+        windows = [w[1:] for w in context.faults if w.surface == name]
+        drawn += panels.limits(ax, drawn, limits_deg(context, name))
+        panels.fit_y(ax, drawn, least=0.2, headroom=panels.shade(ax, windows, name="fault"))
+        name_panel(ax, 6 + k, name.replace("_", " "), "position [deg]")
+    if len(others) % 2:
+        axes[-1, 1].set_visible(False)
+        axes[-2, 1].tick_params(labelbottom=True)
     panels.legends(axes)
     return fig
+
+
+def effectors_of(history: History) -> list[str]:
+    """Return the effectors in a history that are not the one surface of an axis, in their order."""
+    named = (name.removesuffix("_cmd_rad") for name in history if name.endswith("_cmd_rad"))
+    return [name for name in named if name not in SURFACES]
 
 
 def estimates(history: History, context: FigureContext) -> Figure:
@@ -216,7 +241,7 @@ def merged(faults: Sequence[FaultWindow]) -> list[tuple[float, float, str]]:
 
 def name_panel(ax: Axes, index: int, title: str, unit: str) -> None:
     """Give a panel its letter (by `index`), title and unit."""
-    ax.set_title(f"({_LETTERS[index]}) {title}")
+    ax.set_title(f"({_LETTERS[index % len(_LETTERS)]}) {title}")
     ax.set_ylabel(unit)
 
 

@@ -10,7 +10,10 @@ from uavftc.core.axes import ALL, Controlled
 
 
 class FaultWindow(NamedTuple):
-    """A fault on one surface from `start_s` to `end_s` (may reach past the flight), and what to write into it."""
+    """A fault on one surface from `start_s` to `end_s` (may reach past the flight), and what to write into it.
+
+    A fault of an effector has one window of its own name, and one for each axis that it serves; so has one of a gang.
+    """
 
     surface: str
     start_s: float
@@ -24,7 +27,8 @@ class FigureContext:
 
     title: str
     limits_rad: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
-    """Least and greatest deflection about trim of each surface, rad; None or absent where there is no limit."""
+    """Least and greatest deflection of each surface, rad; None or absent where there is no limit. Of `aileron`,
+    `elevator` and `rudder` it is about trim, of any other effector as its position counts, trim included."""
     faults: Sequence[FaultWindow] = ()
     disturbances_s: Sequence[float] = ()
     """Times at which a disturbance begins, ends or changes, s."""

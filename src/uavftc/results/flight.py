@@ -9,9 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.analysis.metrics import controlled_of
 from uavftc.control.custom.module import checksum
 from uavftc.core.axes import left_to_the_airframe
+from uavftc.core.layout import Layout
 from uavftc.core.signals import SURFACES
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
@@ -39,6 +41,8 @@ class FlightResult(NamedTuple):
     """Its provenance, from `origin_of`."""
     remarks: tuple[str, ...] = ()
     """What the flight itself is worth a warning for, one line each; next to those of its scenario."""
+    layout: Layout = Layout()
+    """The effectors of the aircraft."""
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -81,23 +85,41 @@ class FlightResult(NamedTuple):
             title += f"\nLOST: {outcome.ended_because}" if outcome.ended_because else "\nLOST"
         return FigureContext(
             title=title,
-            limits_rad={
-                surface: tuple(pair) if np.isfinite(pair).any() else None
-                for surface, pair in zip(SURFACES, scenario.limits_rad(), strict=True)
-            },
+            limits_rad=self._limits(),
             faults=[
                 FaultWindow(
-                    fault.surface,
+                    shown,
                     fault.start_s,
                     end if fault.end_s is None else fault.end_s,
-                    fault_label(fault.effectiveness.written, fault.bias_deg.written),
+                    own + fault_label(fault.effectiveness.written, fault.bias_deg.written),
                 )
                 for fault in faults
+                for shown, own in self._shown_with(fault.surface)
             ],
             disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
             controlled=controlled_of(self.axes),
             wind=Inputs(scenario, np.zeros(3)).acts_on("wind_n"),
         )
+
+    def _limits(self) -> dict[str, tuple[float, float] | None]:
+        """Return the limits of each axis, and of each effector that has a name of its own."""
+        layout = self.layout
+        each = effector_limits(self.scenario.saturation, layout.mixing, layout.targets)
+        limits = dict(zip(SURFACES, axis_limits(each, layout.mixing), strict=True))
+        for j, name in enumerate(layout.names):
+            if name not in SURFACES:
+                limits[name] = np.sort((layout.position_sign[j] or 1.0) * (layout.trim_rad[j] + each[j]))
+        return {
+            name: (float(pair[0]), float(pair[1])) if np.isfinite(pair).any() else None for name, pair in limits.items()
+        }
+
+    def _shown_with(self, surface: str) -> list[tuple[str, str]]:
+        """Return with which axes and effectors a fault is shown, and what its label there begins with."""
+        layout = self.layout
+        members = list(layout.targets.get(surface, ()))
+        axes = [SURFACES[i] for i in range(3) if np.any(layout.mixing[members, i])]
+        shown = [*axes, *(layout.names[j] for j in members if layout.names[j] not in SURFACES)]
+        return [(name, "" if name == surface else f"{surface}: ") for name in shown]
 
     def write_history(self, path: Path) -> None:
         """Write `history.parquet`, to the byte as a flight streams it; the history must have been kept."""

@@ -43,7 +43,7 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     trusted.take(records)
     history = published(records, flight.columns) if keep_history else None
     remarks = (*notes_of(flight), *trusted.remarks())
-    return FlightResult(flight.scenario, outcome, axes, history, origin, remarks)
+    return FlightResult(flight.scenario, outcome, axes, history, origin, remarks, flight.layout)
 
 
 def _fly_some(scenarios: Sequence[Scenario], keep_history: bool) -> list[FlightResult]:
