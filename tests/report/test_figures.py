@@ -139,7 +139,7 @@ def test_control_shows_each_effector_that_is_not_the_surface_of_an_axis(make_his
     with panels.style():
         fig = figures.control(history, FigureContext("x", limits_rad={"slat": (-0.01, 0.05)}, faults=[fault]))
     left, right, slat, hidden = fig.axes[6:]
-    assert [ax.get_title() for ax in (left, right, slat)] == ["(g) left flap", "(h) right flap", "(i) slat"]
+    assert [ax.get_title("left") for ax in (left, right, slat)] == ["(g) left flap", "(h) right flap", "(i) slat"]
     assert not hidden.get_visible()
     command, position = (line.get_ydata() for line in right.lines[:2])
     np.testing.assert_allclose((command[-1], position[-1]), np.degrees((0.01 + 0.02, 0.01 + 0.01)), rtol=1e-12)
