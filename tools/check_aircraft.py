@@ -52,9 +52,8 @@ def check(folder: str) -> bool:
         difference = np.max(np.abs(np.subtract(found, claimed))) / np.max(np.abs(claimed))
         line(what, float(difference), MASS_TOLERANCE, "relative")
     print(f"level trim at {trim.airspeed:g} m/s, {trim.altitude:g} m")
-    print(
-        f"       alpha {np.degrees(trim.alpha):.6f} deg, elevator {trim.surfaces[1]:.6f}, throttle {trim.throttle:.6f}"
-    )
+    commands = ", ".join(f"{name} {value:.6f}" for name, value in zip(model.names, trim.surfaces, strict=True))
+    print(f"       alpha {np.degrees(trim.alpha):.6f} deg, {commands}, throttle {trim.throttle:.6f}")
     for name, value in zip(("u_dot", "v_dot", "w_dot"), trim.residual[:3], strict=True):
         line(name, value, LINEAR_TOLERANCE, "m/s^2")
     for name, value in zip(("p_dot", "q_dot", "r_dot"), trim.residual[3:], strict=True):

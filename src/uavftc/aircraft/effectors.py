@@ -15,7 +15,7 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from uavftc.config.values import Model, Number, Positive, Problem
-from uavftc.core.signals import SURFACES
+from uavftc.core.signals import COLUMNS, SURFACES
 
 # JSBSim aborts the process when asked for a name that is no XML name, so no other ever reaches it.
 _PROPERTY = r"[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?(/[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?)*"
@@ -38,6 +38,8 @@ def _weight(value: float) -> float:
         raise PydanticCustomError("weight", "a number other than 0: 1 or -1 where all move by the same angle")
     return value
 
+
+_TAKEN = {c.name for c in COLUMNS} | {f"{name}_position_rad" for name in SURFACES}
 
 Property = Annotated[str, AfterValidator(_property)]
 Weight = Annotated[Number, AfterValidator(_weight)]
@@ -151,6 +153,9 @@ def problems(
         if not re.fullmatch(_NAME, name) or len(name) > 60:
             rule = "letters, digits and _, beginning with a letter, at most 60"
             found.append(Problem(("effectors", name), f"the name {name!r}", rule, "rename it"))
+        if name not in SURFACES and (shown := {f"{name}{kind}_rad" for kind in ("", "_cmd")} & _TAKEN):
+            what = f"the name {name!r}: the history has a column {min(shown)} already"
+            found.append(Problem(("effectors", name), what, "a name without a column", "rename it"))
         if (effector.command is None) == (effector.throttle is None):
             what = "neither command nor throttle" if effector.command is None else "both command and throttle"
             expected = "command for a surface, throttle for an engine"

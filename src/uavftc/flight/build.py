@@ -14,7 +14,6 @@ import numpy as np
 from uavftc import actuators, sensors
 from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.aircraft.definition import Aircraft, load_aircraft
-from uavftc.aircraft.effectors import mixing_of
 from uavftc.config.effect import Effect, config_of
 from uavftc.control import allocation, uncontrolled
 from uavftc.control.custom.controller import custom_blocks
@@ -23,12 +22,13 @@ from uavftc.core.flow import check_flow
 from uavftc.core.given import ControlDesign, Given
 from uavftc.core.layout import Layout, targets_of
 from uavftc.core.program import Program
-from uavftc.core.signals import SURFACES, Column
+from uavftc.core.signals import Column
 from uavftc.core.stage import Block, PythonBlock, params_of
 from uavftc.flight import envelope
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
 from uavftc.flight.defaults import resolved
 from uavftc.flight.inputs import Inputs
+from uavftc.flight.layouts import claimed_stops, layout_of
 from uavftc.flight.named import refuse_unknown
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
@@ -148,26 +148,6 @@ def given_of(
     )
 
 
-def layout_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None) -> Layout:
-    """Return the effectors, as measured at the trim or, where there is no trimmed model, as the companion file has."""
-    if model is None:
-        names = tuple(aircraft.named_effectors())
-        gangs = aircraft.gangs or {name: {name: 1.0} for name in names if name in SURFACES}
-        nothing = np.zeros(len(names))
-        return Layout(names, mixing_of(names, gangs), gangs, nothing, nothing, nothing.astype(bool))
-    effectors = model.effectors
-    flown = scenario.plant == "jsbsim"
-    sign = [math.copysign(1.0, e.position_rad) if flown and e.position is not None else 0.0 for e in effectors]
-    return Layout(
-        names=model.names,
-        mixing=np.array(model.mixing),
-        gangs=model.gangs,
-        trim_rad=np.array([e.trim_rad for e in effectors]),
-        position_sign=np.array(sign),
-        read=np.array([flown and not e.ideal and e.position is not None for e in effectors]),
-    )
-
-
 def trim_attitude(model: TrimmedModel | None) -> np.ndarray:
     """Return the attitude from which references count, shape (3,), rad."""
     return np.zeros(3) if model is None else np.array([model.trim["phi"], model.trim["theta"], 0.0])
@@ -192,8 +172,7 @@ def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing
 
     inertia, A_l, B_m = rotational_model(aircraft, model)
     if model is None:
-        stops = np.array([s.stop_rad or np.inf for s in aircraft.named_effectors().values()])
-        return AnalyticPlant(inertia, A_l, B_m, timing, u_limits=np.column_stack([-stops, stops]))
+        return AnalyticPlant(inertia, A_l, B_m, timing, u_limits=claimed_stops(aircraft))
     return AnalyticPlant(
         inertia,
         A_l,

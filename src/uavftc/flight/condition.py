@@ -7,12 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from uavftc.actuators.saturation import axis_limits
 from uavftc.aircraft.definition import Aircraft
 from uavftc.analysis.authority import RATIO_MIN, Authority, authority, can_be_held, controlled_axes, obstacles, response
 from uavftc.control.inner.predictor import A_M
 from uavftc.core.axes import Controlled, left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.errors import InputError
+from uavftc.flight.layouts import claimed_layout, claimed_stops
 from uavftc.plants.jsbsim.model import ALTITUDE_M, TrimmedModel, trimmed_model, trimmed_models
 from uavftc.scenario.controllers import CustomController
 from uavftc.scenario.schema import Scenario
@@ -193,8 +195,8 @@ def axes_of(aircraft: Aircraft, model: TrimmedModel | None) -> Controlled:
     if model is not None:
         return axes_of_model(model)
     assert aircraft.analytic is not None  # or there would be a trimmed model
-    stops = np.array([s.stop_rad or np.inf for s in aircraft.surface_list()])
-    axes = controlled_axes(np.array(aircraft.analytic.B_m), np.column_stack([-stops, stops]))
+    limits = axis_limits(claimed_stops(aircraft), claimed_layout(aircraft).mixing)
+    axes = controlled_axes(np.array(aircraft.analytic.B_m), limits)
     if not can_be_held(axes):
         raise InputError(
             f"{aircraft.companion}, key analytic.B_m",

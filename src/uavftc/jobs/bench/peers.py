@@ -50,7 +50,8 @@ def _property_loop(rounds: int) -> Figure:
         aircraft, fdm = flight.aircraft, jsbsim_plant(flight).fdm
         read = [*STATE_PROPERTIES, CONTACT, "fcs/throttle-pos-norm[0]"]
         moment = f"external_reactions/{moment_name(aircraft)}"
-        commands = [s.command for s in aircraft.surface_list()] + [f"{moment}/{axis}" for axis in "lmn"]
+        assert flight.model is not None
+        commands = [e.command for e in flight.model.effectors] + [f"{moment}/{axis}" for axis in "lmn"]
         commands += aircraft.throttle_commands(fdm.get_propulsion().get_num_engines())
         written = [(name, fdm[name]) for name in commands]
         reads, writes = len(read), len(written)
