@@ -59,7 +59,7 @@ def _xml(name: str, extra: str) -> str:
 <emptywt unit="KG">3</emptywt><location name="CG" unit="M"><x>0</x><y>0</y><z>0</z></location></mass_balance>
 <ground_reactions/>
 <propulsion>
-<engine file="small"><location unit="M"><x>0</x><y>0</y><z>0</z></location><feed>0</feed>
+<engine file="small"><feed>0</feed>
 <thruster file="direct"><location unit="M"><x>0</x><y>0</y><z>0</z></location>
 <orient unit="DEG"><roll>0</roll><pitch>0</pitch><yaw>0</yaw></orient></thruster></engine>
 <tank type="FUEL"><location unit="M"><x>0</x><y>0</y><z>0</z></location><capacity unit="KG">0.2</capacity>

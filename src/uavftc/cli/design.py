@@ -44,6 +44,9 @@ def design(
     force: Annotated[
         bool, typer.Option("--force", help="Replace the file of --figure even if uavftc did not write it.")
     ] = False,
+    write_companion: Annotated[
+        bool, typer.Option("--write-companion", help="Write what was found into AIRCRAFT/uavftc.yaml, to be edited.")
+    ] = False,
     sigma_0: Annotated[Float, typer.Option(help="Bound of the initial body rates, rad/s.")] = None,
     sigma_r: Annotated[Float, typer.Option(help="Bound of the reference rates to be shown, rad/s.")] = None,
     r_max: Annotated[Float, typer.Option(help="Bound of the commanded rates, rad/s.")] = None,
@@ -84,7 +87,11 @@ def design(
     from uavftc.scenario.load import load_scenario  # noqa: PLC0415
 
     listed = scenario is None and flight is None and not changes  # designed as `uavftc aircraft` lists it
-    load_aircraft(aircraft, "AIRCRAFT")  # before the scenarios, which would name it as an option
+    definition = load_aircraft(aircraft, "AIRCRAFT")  # before the scenarios, which would name it as an option
+    if write_companion:
+        from uavftc.jobs.design import companion  # noqa: PLC0415
+
+        companion.check(definition)
     if scenario is None and flight is None:
         scenario = DEFAULT_SCENARIO
     design_of, flown = (
@@ -98,6 +105,12 @@ def design(
         from uavftc.jobs.design import fleet  # noqa: PLC0415
 
         fleet.remember(aircraft)
+    if write_companion:
+        source = design_of or flown
+        assert source is not None
+        written = companion.write(source, definition)
+        what = f"A and B within {written.model:.1g}, limits within {written.limits:.1g} of what was measured without"
+        print(f"companion: {written.file} (read back: {what})", file=sys.stderr)
     if figure is not None:
         from uavftc.report.backend import load_matplotlib  # noqa: PLC0415
 

@@ -19,7 +19,7 @@ from uavftc.report import panels
 from uavftc.report.effectors_text import effect_text, has_table, weight_text
 from uavftc.report.fleet_table import times
 from uavftc.report.panels import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
-from uavftc.results.single import figure_metadata, write_figure
+from uavftc.results.single import figure_metadata, write_single
 
 LINEAR = 0.01  # 1/s and rad/s: closer to the origin the axes are linear, beyond logarithmic
 FULL = 0.55  # of the greatest colour: numbers stay readable on it
@@ -29,7 +29,7 @@ def write_design_figure(file: Path, document: dict[str, Any]) -> None:
     """Draw the document of `uavftc.jobs.design.document.design_document` to a file whose ending says the format."""
     with panels.style({"svg.hashsalt": "uavftc"}):  # so that the same design gives the same bytes
         figure = design_figure(document)
-        write_figure(file, lambda partial: figure.savefig(partial, metadata=figure_metadata(file.suffix)))
+        write_single(file, lambda partial: figure.savefig(partial, metadata=figure_metadata(file.suffix)))
 
 
 def design_figure(document: dict[str, Any]) -> Figure:

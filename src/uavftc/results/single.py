@@ -60,7 +60,7 @@ def check_figure(option: str, file: Path, *, force: bool) -> None:
         found, remedy = f"no folder {file.parent}", "make the folder first"
     elif file.is_dir():
         found, remedy = "a folder", "name a file"
-    elif (refused := _cannot_write(file)) is not None:
+    elif (refused := cannot_write(file)) is not None:
         found, remedy = refused, "name a file in another folder"
     elif os.path.lexists(file) and not force and not _is_ours(file):
         found, remedy = "a file that uavftc did not write", f"name another file, or replace it: {option} {file} --force"
@@ -74,7 +74,7 @@ def check_figure(option: str, file: Path, *, force: bool) -> None:
     )
 
 
-def write_figure(file: Path, draw: Callable[[Path], object]) -> None:
+def write_single(file: Path, draw: Callable[[Path], object]) -> None:
     """Let `draw` write a file, and put it in its place once it is complete.
 
     Raises
@@ -95,7 +95,7 @@ def _beside(file: Path) -> Path:
     return file.with_name(f".uavftc-{secrets.token_hex(8)}{file.suffix}")
 
 
-def _cannot_write(file: Path) -> str | None:
+def cannot_write(file: Path) -> str | None:
     """Return why nothing can be written next to a file: tried, for permissions do not say it of every user."""
     probe = _beside(file)
     try:

@@ -54,8 +54,3 @@ def axis_deflections(model: TrimmedModel) -> np.ndarray:
         return (np.array(trim["surfaces"]) + np.array(trim["trim_commands"])) * np.array(model.rad_per_command)
     deflections: np.ndarray = shares(np.array(model.mixing)).T @ np.array([e.trim_rad for e in model.effectors])
     return deflections
-
-
-def is_short_form(model: TrimmedModel) -> bool:
-    """Whether each effector is the one surface of an axis, which says all that there is to say."""
-    return set(model.names) <= set(SURFACES)
