@@ -188,15 +188,18 @@ def _long(model: TrimmedModel) -> list[str]:
 def _measured(e: Measured) -> str:
     """Return in words what was measured of an effector."""
     low, high = (e.trim_rad + limit for limit in e.limits_rad)
+    first, second = zip(e.commands, e.full_response, strict=True)  # of the least and of the greatest command
+    if e.rad_per_command < 0.0:
+        first, second = second, first
     largest = max(map(abs, e.B[3:]))
     rates = ", ".join(f"{axis} {effect_text(value, largest)}" for axis, value in zip(AXES, e.B[3:], strict=True))
     said = [
         f"{e.rad_per_command:.4g} rad per command" + ("" if e.measured else ", assumed (it reports no deflection)"),
-        f"stops {_deg(low)} and {_deg(high)} deg, at command {e.commands[0]:.4g} and {e.commands[1]:.4g}",
+        f"stops {_deg(low)} and {_deg(high)} deg, at command {first[0]:.4g} and {second[0]:.4g}",
         f"effect {rates} 1/s^2 per rad",
     ]
     if any(abs(part - 1.0) > 0.02 for part in e.full_response):
-        said.append(f"full command does {e.full_response[0]:.2f} and {e.full_response[1]:.2f} of that")
+        said.append(f"at the stops {first[1]:.2f} and {second[1]:.2f} of that")
     if servo := servo_text(e.servo):
         said.append(f"servo: {servo}")
     return "; ".join(said)
