@@ -31,7 +31,7 @@ RAW_STATE = (
     ("contact", 1),  # lb
 )
 OBSERVE_STATE = np.dtype(  # heading of the previous sample, rad, and what was read
-    [("started", "f8"), ("psi", "f8"), *((name, "f8", (n,)) if n > 1 else (name, "f8") for name, n in RAW_STATE)]
+    [("psi", "f8"), *((name, "f8", (n,)) if n > 1 else (name, "f8") for name, n in RAW_STATE)]
 )
 
 POSITION_PARAMS = np.dtype([("read", "f8"), ("rad", "f8")])  # 1 where it is read; rad per unit of the property
@@ -66,9 +66,7 @@ COMMAND_STATE = np.dtype([("command", "f8")])  # in its own unit
 def observe(p, s, row):
     """Write what was read into the row, in SI and with a continuous heading."""
     psi = s.x1[2]
-    if s.started != 0.0:
-        psi += 2.0 * pi * round((s.psi - psi) / (2.0 * pi))
-    s.started = 1.0
+    psi += 2.0 * pi * round((s.psi - psi) / (2.0 * pi))  # from north, where a flight starts: never from 2 pi
     s.psi = psi
     row.x1[0] = s.x1[0]
     row.x1[1] = s.x1[1]

@@ -163,7 +163,7 @@ class JSBSimPlant:
         read = zip(self._followed.read, model.effectors, strict=True)
         positions = [node(e.position or "").get_double_value if follows else None for follows, e in read]
         getters = [*get, throttle, node(CONTACT).get_double_value, *positions]
-        self._read = reader(self._in[2:], getters)
+        self._read = reader(self._in[1:], getters)
         surfaces = [[node(e.command).set_double_value] for e in model.effectors]
         held = [[node(name).set_double_value for name in throttles] if holds else [], []]  # throttle, its integral
         moment, wind = [], []
@@ -176,7 +176,7 @@ class JSBSimPlant:
             wind = [[node(name).set_double_value] for name in WIND]
         setters = [*surfaces, *held, *moment, *wind]
         self._write = writer(self._out, setters)
-        self._exchange = stepper(self._out, setters, self.fdm.run, self._in[2:], getters)
+        self._exchange = stepper(self._out, setters, self.fdm.run, self._in[1:], getters)
         self._write_surfaces = writer(self._out, surfaces)
 
     def before(self) -> list[Block]:
