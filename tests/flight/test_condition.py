@@ -148,6 +148,7 @@ def test_a_given_airspeed_is_the_only_one_that_is_measured(stock, monkeypatch):
 
     monkeypatch.setattr(condition, "trimmed_model", one)
     monkeypatch.setattr(condition, "trimmed_models", every)
+    monkeypatch.setattr(condition, "stepped", lambda _aircraft, found: found)
     found = model_of(scenario(initial={"airspeed_mps": 61}), stock)
     assert found is not None
     assert found.trim["airspeed"] == 61.0

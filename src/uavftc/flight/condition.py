@@ -15,7 +15,7 @@ from uavftc.core.axes import Controlled, left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.errors import InputError
 from uavftc.flight.layouts import claimed_layout, claimed_stops
-from uavftc.plants.jsbsim.model import ALTITUDE_M, TrimmedModel, trimmed_model, trimmed_models
+from uavftc.plants.jsbsim.model import ALTITUDE_M, TrimmedModel, stepped, trimmed_model, trimmed_models
 from uavftc.scenario.controllers import CustomController
 from uavftc.scenario.schema import Scenario
 
@@ -40,10 +40,11 @@ def model_of(scenario: Scenario, aircraft: Aircraft) -> TrimmedModel | None:
         return None
     airspeed, altitude = condition_of(scenario, aircraft)
     if airspeed is None:
-        return choose_airspeed(scenario, aircraft, trimmed_models(aircraft, altitude))
-    model = trimmed_model(aircraft, airspeed, altitude)
-    refuse_unflyable(scenario, aircraft, model)
-    return model
+        model = choose_airspeed(scenario, aircraft, trimmed_models(aircraft, altitude))
+    else:
+        model = trimmed_model(aircraft, airspeed, altitude)
+        refuse_unflyable(scenario, aircraft, model)
+    return stepped(aircraft, model) if scenario.plant == "jsbsim" else model
 
 
 def condition_of(scenario: Scenario, aircraft: Aircraft) -> tuple[float | None, float]:

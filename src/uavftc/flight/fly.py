@@ -11,8 +11,9 @@ import numpy as np
 
 from uavftc.core.program import STOPPED
 from uavftc.core.signals import as_records, empty_rows
-from uavftc.flight import envelope
+from uavftc.flight import envelope, numerical
 from uavftc.flight.build import Flight
+from uavftc.flight.numerical import Tape
 from uavftc.flight.recorder import MemoryRecorder, Recorder
 
 CHUNK_ROWS = 16384  # rows held in memory, and handed on, at a time
@@ -36,6 +37,10 @@ class Outcome(NamedTuple):
     """Rows recorded; N + 1 of a completed flight."""
     wall_s: float
     """Wall-clock time of the loop, without load, trim and compilation."""
+    numerical: bool = False
+    """Ended for the sake of its plant step, not of the vehicle; see `numerical`."""
+    remarks: tuple[str, ...] = ()
+    """What is worth a warning about how it ended, one line each."""
 
 
 def fly(
@@ -82,7 +87,8 @@ def _fly(
     stop: Callable[[], bool] | None,
 ) -> Outcome:
     slice_rows = _slice_rows(flight)
-    total = flight.steps + 1
+    unsound, tape = numerical.unsound(flight), Tape(flight)
+    total = 1 if unsound is not None else flight.steps + 1
     wall_s = 0.0
     done = 0
     lost: np.void | None = None
@@ -113,11 +119,14 @@ def _fly(
         wall_s += time.perf_counter() - started
         # the row outside the envelope is still valid, unless it is not a number or has no command
         keep = flown + (lost is not None and lost["status"] > envelope.NOT_A_NUMBER)
-        for recorder in recorders:
+        for recorder in (*recorders, tape):
             recorder.take(records[:keep])
         done += keep
+    if unsound is not None and not stopped:
+        return Outcome(False, unsound, 0.0, False, done, wall_s, numerical=True)
     if lost is not None:
-        return Outcome(False, _reason(flight, lost), float(lost["t"]), False, done, wall_s)
+        is_numerical, reason, remarks = numerical.verdict(flight, tape, lost, _reason(flight, lost), stop)
+        return Outcome(False, reason, float(lost["t"]), False, done, wall_s, is_numerical, remarks)
     if done < total:
         at = max(done - 1, 0) / flight.scenario.controller.rate_hz
         return Outcome(False, f"interrupted by the user, at t = {at:.3f} s", at, True, done, wall_s)

@@ -62,6 +62,7 @@ class FlightResult(NamedTuple):
             completed=outcome.completed,
             ended_because=outcome.ended_because,
             ended_at_s=outcome.ended_at_s,
+            numerical=outcome.numerical,
             axes=self.axes,
             timing={
                 "flight_wall_s": outcome.wall_s,
@@ -69,7 +70,7 @@ class FlightResult(NamedTuple):
                 "us_per_controller_step": 1e6 * outcome.wall_s / max(steps, 1),
             },
             provenance=self.origin,
-            warnings=[*warnings(scenario), *self.remarks],
+            warnings=[*warnings(scenario), *self.remarks, *outcome.remarks],
         )
 
     def figure_context(self) -> FigureContext:
@@ -144,7 +145,21 @@ def origin_of(flight: Flight) -> dict[str, Any]:
 def notes_of(flight: Flight) -> tuple[str, ...]:
     """Return what is worth knowing about the aircraft, its axes and its files, where they were read, one line each."""
     files = () if flight.model is None else tuple(notes(flight.aircraft, flight.model))
-    return (*left_to_the_airframe(flight.given.axes), *files)
+    return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *files)
+
+
+def coarse(flight: Flight) -> list[str]:
+    """Return a line where the scenario's own `simulation.substeps` make plant steps longer than the step check's."""
+    model, step, name = flight.model, flight.given.plant_step, flight.aircraft.name
+    substeps = flight.scenario.simulation.substeps
+    if model is None or flight.scenario.plant != "jsbsim" or substeps is None:
+        return []
+    if not model.step.get("passed", True):
+        return [f"simulation.substeps: {substeps}, and the step check of {name} passes at no plant step"]
+    if step <= model.frame_s * (1.0 + 1e-9):
+        return []
+    taken = f"simulation.substeps: {substeps} makes plant steps of {step * 1e3:.4g} ms"
+    return [f"{taken}, where {name} takes at most {model.frame_s * 1e3:g} ms by itself"]
 
 
 def metadata_of(scenario: Scenario, origin: dict[str, Any]) -> dict[str, str]:

@@ -30,6 +30,7 @@ def summary(
     completed: bool,
     ended_because: str | None,
     ended_at_s: float | None = None,
+    numerical: bool = False,
     axes: Mapping[str, Mapping[str, float | None]],
     timing: Mapping[str, float | int],
     provenance: Mapping[str, Any],
@@ -45,6 +46,8 @@ def summary(
         Whether the flight reached its end.
     ended_because, ended_at_s
         Reason and time (s) of an early end; None when completed.
+    numerical
+        Whether it ended for its plant step and not for the vehicle.
     axes
         For roll, pitch and yaw, every metric of `analysis.metrics.METRICS`; None or NaN where one does not apply.
     timing
@@ -67,6 +70,7 @@ def summary(
         "completed": bool(completed),
         "ended_because": ended_because,
         "ended_at_s": _plain(ended_at_s),
+        "numerical": bool(numerical),
         "axes": {axis: {m.name: _plain(axes[axis][m.name]) for m in metrics.METRICS} for axis in AXES},
         "timing": _plain(timing),
         "warnings": list(warnings),

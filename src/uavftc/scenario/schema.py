@@ -80,8 +80,9 @@ class Simulation(Model):
     """How the plant is stepped: `substeps` plant steps a controller step; null chooses steps of at most 5 ms."""
 
     substeps: Annotated[Whole, Field(ge=1, le=MAX_SUBSTEPS)] | None = None
-    """plant steps in one controller step, 1 to 1000; `null` is the fewest with steps of at most 5 ms. A flight takes at
-    most 200 million of them, on JSBSim each of at least 5 us, and a delay at most 10 million"""
+    """plant steps in one controller step, 1 to 1000; `null` is the fewest with steps of at most 5 ms, or of what the
+    step check of the aircraft allows where that is less. A flight takes at most 200 million of them, on JSBSim each of
+    at least 5 us, and a delay at most 10 million"""
 
 
 FAULTS = configs(CHAIN, "ENTRY_OF", "faults")

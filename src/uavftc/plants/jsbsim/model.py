@@ -14,7 +14,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 from types import MappingProxyType
@@ -78,8 +78,10 @@ class TrimmedModel(NamedTuple):
     """Whether roll, pitch and yaw answer to any effector."""
     reach_rad: Sequence[Sequence[float]] = ()
     """(3, 2) what each axis can do to either side, as the deflection that would do it by the slope: its authority."""
-    frame_s: float = 5e-3
-    """Longest plant step that its engines allow, s."""
+    frame_s: float = FRAME_S
+    """Longest plant step that its engines and its step check allow, s."""
+    step: Mapping[str, Any] = MappingProxyType({})
+    """The step check at this trim, as `step_check.check` returns it; empty where it was not made."""
     engine_names: Sequence[str] = ()
     """Names of the engines, in the order of the XML."""
     declared: Sequence[str] = ()
@@ -108,7 +110,31 @@ def notes(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
     commanded = {name for _, name in aircraft.properties()}
     if held := [name for name in model.declared if name not in commanded]:
         lines.append(f"{aircraft.xml.name} reads what nothing defines, taken as 0: {', '.join(held)}")
+    if (reason := finer_because(model)) is not None:
+        usual = f"where {FRAME_S * 1e3:g} ms are usual"
+        lines.append(f"{aircraft.name} takes plant steps of at most {model.frame_s * 1e3:g} ms, {usual}: {reason}")
     return lines
+
+
+def finer_because(model: TrimmedModel) -> str | None:
+    """Return why an aircraft takes finer plant steps than usual, or None where it does not."""
+    if model.frame_s >= FRAME_S:
+        return None
+    tried = model.step.get("tried", [])
+    if not tried or tried[0]["frame_s"] == model.frame_s:
+        return "the thrust of its engines is another at longer ones"
+    missed = next(t for t in reversed(tried) if not t["passed"])
+    return f"the step check fails at {missed['frame_s'] * 1e3:g} ms ({missed_by(missed)})"
+
+
+def missed_by(tried: Mapping[str, Any]) -> str:
+    """Return in words by what a frame does not pass the step check."""
+    if tried["first_difference"] is None:
+        return str(tried["worst"])
+    return (
+        f"{tried['worst']} differs by {tried['first_difference']:.2g} of its motion from half that step, "
+        f"and that by {tried['second_difference']:.2g} from a quarter"
+    )
 
 
 # --- measured once, in a child process ------------------------------------------------------------------------------
@@ -138,26 +164,66 @@ def trimmed_models(aircraft: Aircraft, altitude: float) -> tuple[TrimmedModel, .
     return _cached(aircraft, aircraft.sha256(), SPEEDS_MPS, altitude)
 
 
+def stepped(aircraft: Aircraft, model: TrimmedModel) -> TrimmedModel:
+    """Return the model with its step check, from the cache or made in a child process.
+
+    A model that was measured at one airspeed has it already; of those at many, only the one that is flown needs it.
+
+    Raises
+    ------
+    InputError
+        If the aircraft crashes JSBSim or does not load.
+    """
+    if model.step:
+        return model
+    return with_step(model, _step(aircraft, aircraft.sha256(), json.dumps(_written(model))))
+
+
+@functools.lru_cache(maxsize=256)
+def _step(aircraft: Aircraft, checksum: str, model: str) -> dict[str, Any]:
+    name = f"{checksum[:32]}-step-{hashlib.sha256(model.encode()).hexdigest()[:32]}"
+    step: dict[str, Any] = _answer(name, lambda: _child(aircraft, ["step"], model))["step"]
+    return step
+
+
+def with_step(model: TrimmedModel, step: Mapping[str, Any]) -> TrimmedModel:
+    """Return the model with a step check, and the steps that it allows."""
+    return model._replace(step=step, frame_s=step["frame_s"])
+
+
 @functools.lru_cache(maxsize=256)
 def _cached(aircraft: Aircraft, checksum: str, speeds: tuple[float, ...], altitude: float) -> tuple[TrimmedModel, ...]:
     name = repr(speeds[0]) if len(speeds) == 1 else "all"
-    file = cache_dir() / f"{checksum[:32]}-{name}-{altitude!r}.json"
+    answer = _answer(f"{checksum[:32]}-{name}-{altitude!r}", lambda: _in_child(aircraft, speeds, altitude))
+    return tuple(_read(model) for model in answer["models"])
+
+
+def _answer(name: str, child: Callable[[], str]) -> dict[str, Any]:
+    """Return the answer of that name in the cache, or else the child's.
+
+    Raises
+    ------
+    InputError
+        If it is a refusal.
+    """
+    file = cache_dir() / f"{name}.json"
     answer: dict[str, Any] | None = None
     with contextlib.suppress(OSError, ValueError):
         answer = json.loads(file.read_text(encoding="utf-8"))
     if answer is None:
-        answer = json.loads(_in_child(aircraft, speeds, altitude))
+        answer = json.loads(child())
         if answer["lasting"]:
             _keep(file, answer)
     if "error" in answer:
         fields = dict(answer["error"])
         raise InputError(fields.pop("where"), **fields)
-    return tuple(_read(model) for model in answer["models"])
+    return answer
 
 
 def _written(model: TrimmedModel) -> dict[str, Any]:
     """Return a model as JSON takes it."""
-    return {**model._asdict(), "effectors": [e._asdict() for e in model.effectors], "gangs": dict(model.gangs)}
+    effectors = [e._asdict() for e in model.effectors]
+    return {**model._asdict(), "effectors": effectors, "gangs": dict(model.gangs), "step": dict(model.step)}
 
 
 def _read(model: dict[str, Any]) -> TrimmedModel:
@@ -189,12 +255,17 @@ def cache_dir() -> Path:
 
 
 def _in_child(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) -> str:
-    command = [sys.executable, "-m", __name__, aircraft.reference, repr(altitude), *map(repr, speeds)]
+    return _child(aircraft, [repr(altitude), *map(repr, speeds)])
+
+
+def _child(aircraft: Aircraft, arguments: Sequence[str], text: str = "") -> str:
+    """Return the last line that a child process with these arguments, and `text` on its input, prints."""
+    command = [sys.executable, "-m", __name__, aircraft.reference, *arguments]
     with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as child:
         try:
-            stdout, stderr = child.communicate(timeout=TIMEOUT_S)
+            stdout, stderr = child.communicate(text, timeout=TIMEOUT_S)
         except BaseException as error:  # Ctrl-C too leaves no child behind
             child.kill()
             child.wait()
@@ -222,13 +293,23 @@ def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
 
 
 def main(reference: str, altitude: str, *speeds: str) -> None:
-    """Measure and print one JSON document: the models at the speeds that trim, or the nearest refusal."""
+    """Measure and print one JSON document: the models at the speeds that trim, or the nearest refusal.
+
+    With `step` for the altitude: the step check of the model that is on standard input.
+    """
     from uavftc.aircraft.definition import load_aircraft  # noqa: PLC0415
     from uavftc.plants.jsbsim.measure import models_of  # noqa: PLC0415
+    from uavftc.plants.jsbsim.step_check import check  # noqa: PLC0415
 
     try:
-        models = models_of(load_aircraft(reference), tuple(map(float, speeds)), float(altitude))
-        print(json.dumps({"models": [_written(m) for m in models], "lasting": True}))
+        if altitude == "step":
+            print(json.dumps({"step": check(load_aircraft(reference), _read(json.load(sys.stdin))), "lasting": True}))
+        else:
+            aircraft = load_aircraft(reference)
+            models = models_of(aircraft, tuple(map(float, speeds)), float(altitude))
+            if len(speeds) == 1:  # of many, only the one that is flown is checked, by `stepped`
+                models = [with_step(m, check(aircraft, m)) for m in models]
+            print(json.dumps({"models": [_written(m) for m in models], "lasting": True}))
     except InputError as error:
         fields = {key: getattr(error, key) for key in ("where", "found", "expected", "remedy")}
         # a load error names the path, and another file with the same content has another path
@@ -238,4 +319,6 @@ def main(reference: str, altitude: str, *speeds: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    from uavftc.plants.jsbsim import model  # noqa: PLW0406 - so that its errors are those that the others raise
+
+    model.main(*sys.argv[1:])

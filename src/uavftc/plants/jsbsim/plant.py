@@ -105,6 +105,8 @@ class JSBSimPlant:
                 "throttle": trim.throttle,
             },
         }
+        if model.step:
+            self.settings["step_check"] = dict(model.step)
         holds = aircraft.autothrottle is None and model.engines > 0 and model.throttle_mps2 > HOLD_MIN
         kp = HOLD_BANDWIDTH / model.throttle_mps2 if holds else 0.0
         self.settings["airspeed_hold"] = "aircraft" if aircraft.autothrottle else "bridge" if holds else "none"
