@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from uavftc.actuators import effectiveness, saturation
+from uavftc.control import allocation
 from uavftc.core.flow import PRESCRIBED, check_flow
 from uavftc.core.program import RAISED, STEP_FAILED, Program
 from uavftc.core.signals import ROW, as_records, empty_rows
@@ -64,6 +65,13 @@ def doubled(n=3):
     records = as_records(rows)
     records["effectors"]["deflection"], records["effectors"]["effectiveness"] = 5.0, 2.0
     return rows, records["effectors"]["deflection"], effectiveness.stage.block(np.zeros(3, NOTHING))
+
+
+def test_a_row_with_too_few_effectors_is_refused_before_anything_is_written_past_its_end():
+    rows = empty_rows(2, 3)
+    block = allocation.MIXED[0].block(np.zeros(4, allocation.MIXED_PARAMS), name="four")
+    with pytest.raises(ValueError, match="four acts on more effectors than the 3 of a row"):
+        Program([block]).run(rows, 0, 2)
 
 
 def test_blocks_run_in_order():

@@ -202,6 +202,10 @@ class _Table:
 
     def on(self, rows: np.ndarray, *, repeated: int = 0, substeps: int = 1) -> Run:
         """Return the blocks bound to rows; the last `repeated` of them run `substeps` times on each row."""
+        room = (rows.shape[1] - ROW_WIDTH) * 8 // EFFECTOR_BYTES
+        for _, block in self._blocks:
+            if block.stage.on_effector and max(len(block.params), len(block.state)) > room:
+                raise ValueError(f"{block.name} acts on more effectors than the {room} of a row")
         copy = np.zeros((1, rows.shape[1]))
         if not COMPILED:
             return functools.partial(self._in_python, repeated, substeps, copy, rows)

@@ -64,7 +64,7 @@ class _NoFdm:
 def bridge_io_us(rounds: int) -> Figure:
     """The loop over JSBSim without program and frames: state read and packed, commands unpacked and written."""
     flight = build_flight(scenario("scenario3", plant="jsbsim"))
-    plant, rows = jsbsim_plant(flight), empty_rows(flight.steps)
+    plant, rows = jsbsim_plant(flight), empty_rows(flight.steps, len(flight.given.effectors))
     fdm, plant.fdm = plant.fdm, cast(Any, _NoFdm())
     program, frame = _NoProgram(), _NoFdm()
 
