@@ -188,21 +188,28 @@ def _long(model: TrimmedModel) -> list[str]:
 def _measured(e: Measured) -> str:
     """Return in words what was measured of an effector."""
     low, high = (e.trim_rad + limit for limit in e.limits_rad)
-    first, second = zip(e.commands, e.full_response, strict=True)  # of the least and of the greatest command
-    if e.rad_per_command < 0.0:
-        first, second = second, first
+    first, second = sorted(e.commands, reverse=e.rad_per_command < 0.0)  # commands of the stops
+    full = _at_stops(e)
     largest = max(map(abs, e.B[3:]))
     rates = ", ".join(f"{axis} {effect_text(value, largest)}" for axis, value in zip(AXES, e.B[3:], strict=True))
     said = [
         f"{e.rad_per_command:.4g} rad per command" + ("" if e.measured else ", assumed (it reports no deflection)"),
-        f"stops {_deg(low)} and {_deg(high)} deg, at command {first[0]:.4g} and {second[0]:.4g}",
+        f"stops {_deg(low)} and {_deg(high)} deg, at command {first:.4g} and {second:.4g}",
         f"effect {rates} 1/s^2 per rad",
     ]
-    if any(abs(part - 1.0) > 0.02 for part in e.full_response):
-        said.append(f"at the stops {first[1]:.2f} and {second[1]:.2f} of that")
+    if any(abs(part - 1.0) > 0.02 for part in full):
+        said.append(f"at the stops {full[0]:.2f} and {full[1]:.2f} of that")
     if servo := servo_text(e.servo):
         said.append(f"servo: {servo}")
     return "; ".join(said)
+
+
+def _at_stops(e: Measured) -> list[float]:
+    """Return the effect per rad at either stop over that in the small; the response was measured per command."""
+    ends = sorted(
+        (end - e.trim_command) * e.rad_per_command * part for end, part in zip(e.commands, e.full_response, strict=True)
+    )
+    return [end / limit if limit else 1.0 for end, limit in zip(ends, e.limits_rad, strict=True)]
 
 
 def _engine_comments(model: TrimmedModel, indent: str = "") -> list[str]:
