@@ -75,7 +75,7 @@ def jsbsims_gust(start, ramp, hold, velocity, seconds):
     for name, value in settings.items():
         fdm[f"atmosphere/cosine-gust/{name}"] = value
     n = round(seconds * 200)
-    rows = empty_rows(n)
+    rows = empty_rows(n, 4)
     program = Program([*plant.before(), *plant.after()])
     wind = np.empty((n, 3))
     for k in range(n):
@@ -105,7 +105,7 @@ def test_flies_like_jsbsims_cosine_gust():
     # one frame of the profile amounts to.
     _, theirs = jsbsims_gust(START, RAMP, HOLD, VELOCITY, 8.0)
     plant = jsbsim_plant(load_aircraft("hale"), has_wind=True)
-    rows = empty_rows(len(theirs))
+    rows = empty_rows(len(theirs), 4)
     t = np.arange(len(rows)) / 200.0
     as_records(rows)["wind_n"] = one_minus_cosine(t, start=START, ramp=RAMP, hold=HOLD)[:, None] * VELOCITY
     plant.run(Program([*plant.before(), *plant.after()]), rows, 0, len(rows))

@@ -242,7 +242,7 @@ def test_flights_in_one_process_do_not_disturb_each_other(hale):
     # Given a flight that was pushed by d2, when another starts after it and in step with it, it is as if alone.
     def fly(pushed):
         plant = jsbsim_plant(hale, has_moment=True)
-        rows = empty_rows(200)
+        rows = empty_rows(200, 4)
         as_records(rows)["d2"] = (0.3, 0.1, 0.2) if pushed else 0.0
         return plant, bare(plant), rows
 
