@@ -83,7 +83,7 @@ def deflected(n: int, u2: Any, layout: Layout | None = None) -> np.ndarray:
     layout = layout or Layout()
     rows = empty_rows(n, len(layout.names))
     as_records(rows)["u2"] = u2
-    as_records(rows)["effectors"]["deflection"] = np.asarray(u2) @ layout.mixing.T
+    as_records(rows)["effectors"]["deflection"] = np.broadcast_to(u2, (n, 3)) @ layout.mixing.T
     return rows
 
 

@@ -17,6 +17,7 @@ from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import model
 from uavftc.plants.jsbsim.linearise import throttle_response
 from uavftc.plants.jsbsim.load import initialised
+from uavftc.plants.jsbsim.measure import models_of
 from uavftc.plants.jsbsim.model import NOMINAL_RAD, trimmed_model
 from uavftc.plants.jsbsim.plant import INTEGRATORS
 from uavftc.plants.jsbsim.trim import JSBSIM_TOLERANCE, TOLERANCE, Trim, command, configure, freeze, place, run_for
@@ -39,7 +40,7 @@ def frozen(aircraft, trim):
     state = {"airspeed": trim.airspeed, "altitude": trim.altitude, "alpha": trim.alpha, "theta": trim.theta}
     place(fdm, **state, phi=trim.phi)
     configure(fdm)
-    command(fdm, aircraft, trim)
+    command(fdm, trim)
     run_for(fdm, 2.0)
     return fdm
 
@@ -72,7 +73,7 @@ fdm = initialised(aircraft, 0.005)
 freeze(fdm)
 place(fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi)
 configure(fdm)
-command(fdm, aircraft, trim)
+command(fdm, trim)
 run_for(fdm, 10.0)
 linear = jsbsim.FGLinearization(fdm)
 print(json.dumps([linear.x_names, linear.u_names, linear.system_matrix.tolist(), linear.input_matrix.tolist()]))
@@ -177,31 +178,32 @@ def test_throttle_response_at_the_end_of_the_throttle():
     aircraft, found = stock("737")
     trim = Trim(**found.trim)
     fdm = frozen(aircraft, trim)
-    inside, end = (throttle_response(fdm, aircraft, trim._replace(throttle=x)) for x in (0.98, 1.0))
+    inside, end = (throttle_response(fdm, trim._replace(throttle=x)) for x in (0.98, 1.0))
     assert end == pytest.approx(inside, rel=0.05)
 
 
 @STOCK
 def test_limits_are_where_the_surface_stops(name):
-    # The command at a limit moves the surface to its end: no command beyond moves it on, one inside takes it back.
+    # The full command moves the surface to its limit: none beyond moves it on, one well inside takes it back.
     aircraft, found = stock(name)
-    trim = Trim(**found.trim)
-    fdm = frozen(aircraft, trim)
+    fdm = frozen(aircraft, Trim(**found.trim))
 
-    def position(j, u):
-        surface = aircraft.surface_list()[j]
-        fdm[surface.command] = trim.surfaces[j] + u / found.rad_per_command[j]
+    def position(effector, command):
+        fdm[effector.command] = command
         run_for(fdm, 2.0)
-        result = fdm[surface.position]
-        fdm[surface.command] = trim.surfaces[j]
+        result = effector.position_rad * fdm[effector.position]
+        fdm[effector.command] = effector.trim_command
         return result
 
-    for j, (low, high) in enumerate(found.limits_rad):
+    for effector in found.effectors:
+        low, high = effector.limits_rad
         assert low < 0.0 < high
-        for limit in (low, high):
-            at = position(j, limit)
-            assert position(j, limit + np.sign(limit) * 0.05) == pytest.approx(at, abs=1e-12)
-            assert abs(position(j, limit - np.sign(limit) * 0.05) - at) > 0.02
+        ends = effector.commands if effector.rad_per_command > 0.0 else effector.commands[::-1]
+        for limit, end in zip((low, high), ends, strict=True):
+            there = position(effector, end)
+            assert there == pytest.approx(effector.trim_rad + limit, abs=1e-12)
+            assert position(effector, 1.1 * end) == pytest.approx(there, abs=1e-12)
+            assert abs(position(effector, 0.8 * end) - there) > 0.02
 
 
 @STOCK
@@ -264,8 +266,9 @@ def test_what_a_companion_leaves_out_is_measured(tmp_path):
 def test_the_child_measures_what_this_process_does():
     # The model from the child, through JSON, is the model to the bit.
     aircraft, found = stock("c172p")
-    here = model.measure(aircraft, *CONDITIONS["c172p"])
-    assert json.dumps(here._asdict()) == json.dumps(found._asdict())
+    airspeed, altitude = CONDITIONS["c172p"]
+    (here,) = models_of(aircraft, (airspeed,), altitude)
+    assert json.dumps(model.written(here)) == json.dumps(model.written(found))
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(tmp_path, monkeypatch):

@@ -207,7 +207,7 @@ def test_no_trim_where_the_power_does_not_suffice(hale, airspeed):
 
 def test_no_trim_where_the_wing_does_not_carry(hale):
     # At 3 m/s the elevator at its stop of 0.436 rad holds alpha = 0.6 rad: lift and all thrust cannot carry the weight.
-    alpha = hale.command_limits()[1] * CM_DE / -CM_ALPHA
+    alpha = hale.effectors["elevator"].stop_rad * CM_DE / -CM_ALPHA
     lift = 0.5 * density(1000.0) * 3.0**2 * WING * (CL_0 + CL_ALPHA * alpha)
     disc = 2.0 * 3.1416 * 1.0**2  # of both propellers, m^2
     most_thrust = (2.0 * density(1000.0) * disc * SHAFT_POWER**2) ** (1.0 / 3.0)  # momentum theory, at rest

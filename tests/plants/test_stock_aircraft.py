@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import shutil
+
 import numpy as np
 import pytest
 
@@ -128,26 +131,44 @@ def refusal(name, *overrides):
     return error.value
 
 
-def test_a_surface_in_its_backlash_is_refused():
-    # c172x: the actuators of elevator and ailerons have a hysteresis wider than any small deflection.
-    error = refusal("c172x", "initial.airspeed_mps=62")
-    assert "no small-signal elevator response: 0 rad/s^2" in error.found
-    assert "no small-signal aileron response" in error.found
-    assert "rudder" not in error.found
-    assert "at 62 m/s and 1500 m" in error.where
+def test_backlash_is_taken_up_from_below(tmp_path):
+    # c172x: the actuators of elevator and ailerons have a hysteresis wider than any small deflection. The trim is that
+    # of the same aircraft without it, and so is the effect of its surfaces.
+    found = trimmed_model(load_aircraft("jsbsim:c172x"), 62.0, 1500.0)
+    stock_folder = load_aircraft("jsbsim:c172x").folder
+    folder = shutil.copytree(stock_folder, tmp_path / "c172x")
+    for part in ("engine", "systems"):
+        shutil.copytree(stock_folder.parents[1] / part, folder / part, dirs_exist_ok=True)
+    text = (folder / "c172x.xml").read_text(encoding="utf-8")
+    assert text.count("<hysteresis_width>") >= 2
+    (folder / "c172x.xml").write_text(re.sub("<hysteresis_width>.*</hysteresis_width>", "", text), encoding="utf-8")
+    bare = trimmed_model(load_aircraft(str(folder)), 62.0, 1500.0)
+    assert found.effectors[1].servo["backlash_rad"] > 0.0
+    assert "backlash_rad" not in bare.effectors[1].servo
+    assert found.trim["alpha"] == pytest.approx(bare.trim["alpha"], abs=1e-4)
+    assert found.effectors[1].trim_rad == pytest.approx(bare.effectors[1].trim_rad, abs=1e-4)
+    np.testing.assert_allclose(np.diag(found.B_rates), np.diag(bare.B_rates), rtol=0.02)
 
 
 def test_an_aircraft_without_a_trim_is_refused():
-    # B17: neither JSBSim's trim nor the project's finds a steady flight; the message names the condition.
+    # B17: the message names the condition, the nearest thing to a flight, and the equation that is left over.
     error = refusal("B17", "initial.airspeed_mps=62")
     assert error.where == "aircraft B17, trim at 62 m/s and 1500 m"
-    assert error.found == "no steady flight: JSBSim's trim fails, and so does the project's"
+    assert error.found.startswith("no steady flight; the nearest to a steady flight is 62 m/s, alpha 7.")
+    assert "u_dot = -0.2 m/s^2 is left" in error.found
     assert "initial.airspeed_mps" in error.remedy
 
 
 def test_without_an_airspeed_the_refusal_names_the_speeds_tried():
-    # mk82, a bomb, flies level at none of them.
-    assert refusal("mk82").where == "aircraft mk82, trim at 15 to 220 m/s and 1500 m"
+    # The thrust of B17 does not carry it at any of those between its stall and 4.5 times that.
+    assert refusal("B17").where == "aircraft B17, trim at 62 to 220 m/s and 1500 m"
+
+
+def test_an_aircraft_without_surfaces_is_refused_with_what_its_commands_move():
+    # mk82 is a bomb.
+    found = refusal("mk82").found
+    assert found.startswith("no surface: ")
+    assert "aileron 0 rad/s^2, elevator 0 rad/s^2, rudder 0 rad/s^2" in found
 
 
 @pytest.mark.parametrize(("name", "lacks"), [("L17", "fcs/flaps-pos-deg"), ("f104", "systems/radar/range")])

@@ -176,12 +176,6 @@ class Aircraft(Model):
         """Return aileron, elevator and rudder."""
         return self.surfaces.aileron, self.surfaces.elevator, self.surfaces.rudder
 
-    def command_limits(self) -> tuple[float, ...]:
-        """Return the largest command of aileron, elevator and rudder either side of neutral, in command units."""
-        return tuple(
-            1.0 if s.stop_rad is None else s.stop_rad / abs(s.rad_per_command or 1.0) for s in self.surface_list()
-        )
-
     def throttle_commands(self, engines: int) -> tuple[str, ...]:
         """Return the throttle command properties, for an aircraft of so many engines."""
         if self.throttle is not None:

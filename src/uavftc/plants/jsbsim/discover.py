@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -57,15 +58,37 @@ def unit(name: str) -> str:
     return found[1] if found else ""
 
 
-def surfaces(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> dict[str, Surface]:
-    """Return the surfaces that act, by name; the FDM is frozen in a condition of flight and stays so."""
+def surfaces(
+    aircraft: Aircraft, fresh: Callable[[], jsbsim.FGFDMExec], declared: Collection[str]
+) -> dict[str, Surface]:
+    """Return the surfaces that act, by name.
+
+    Parameters
+    ----------
+    aircraft
+        What is tried.
+    fresh
+        Returns an FDM frozen in a condition of flight; again where one was broken by what was tried.
+    declared
+        Properties that another program would provide; they are no effectors.
+    """
+    fdm = fresh()
     watched = [n for n in aerodynamic_inputs(aircraft) if has(fdm, n) and not n.startswith(_ENVIRONMENT)]
     known = _bare_catalogue()
-    others = [n for n in unwritten(aircraft) if n not in known and has(fdm, n) and not NOT_SURFACES.search(n)]
+    others = [
+        n
+        for n in unwritten(aircraft)
+        if n not in known and n not in declared and has(fdm, n) and not NOT_SURFACES.search(n)
+    ]
     settle(fdm)
     tried = [try_out(fdm, s.command, watched) for s in STANDARD.values() if has(fdm, s.command)]
     own = {name: t for name, t in zip(STANDARD, tried, strict=False) if t is not None}
-    found = [t for n in others[:TRIED] if (t := try_out(fdm, n, watched)) is not None]
+    found = []
+    for name in others[:TRIED]:
+        if (t := try_out(fdm, name, watched)) is not None:
+            found.append(t)
+        if not np.all(np.isfinite(settle(fdm, patience_s=0.1))):
+            fdm = fresh()
     single = [t for t in found if len(t.moved) == 1]
     if own and not _hidden(own, single):
         return {name: _with_position(STANDARD[name], t, fdm) for name, t in own.items()}

@@ -119,7 +119,7 @@ def linearise(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> Linear:
     at_once = {name: column(response, name) for name in names}
     response()
     surfaces = surface_response(fdm, rig, trim)
-    throttle = throttle_response(fdm, rig, trim)
+    throttle = throttle_response(fdm, trim)
     columns = {name: at_once[name][:6] for name in names}
     fast = _full(columns, trim)[np.ix_(RATES, RATES)]
     if engines:
@@ -220,16 +220,16 @@ def _ideal(fdm: jsbsim.FGFDMExec, command: str, position: str, found: Surfaces, 
     return True
 
 
-def throttle_response(fdm: jsbsim.FGFDMExec, rig: Rig, trim: Trim) -> float:
+def throttle_response(fdm: jsbsim.FGFDMExec, trim: Trim) -> float:
     """Return the change of u_dot, m/s^2, per unit of throttle, engines settled; 0 without engines."""
-    if not rig.throttles or trim.method == "glide":
+    if not trim.throttles or trim.method == "glide":
         return 0.0
     high, low = min(1.0, trim.throttle + THROTTLE_STEP), max(0.0, trim.throttle - THROTTLE_STEP)
     ends = []
     for throttle in (high, low):
-        set_throttle(fdm, rig.throttles, throttle)
+        set_throttle(fdm, trim.throttles, throttle)
         rest(fdm, ENGINE_S)
         ends.append(accelerations(fdm)[0])
-    set_throttle(fdm, rig.throttles, trim.throttle)
+    set_throttle(fdm, trim.throttles, trim.throttle)
     rest(fdm, ENGINE_S)
     return (ends[0] - ends[1]) / (high - low)

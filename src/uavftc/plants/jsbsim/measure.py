@@ -61,7 +61,7 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
         If it has a trim at none of the speeds; it says the nearest thing to one.
     """
     deadline = time.monotonic() + DEADLINE_S
-    bench = prepare(aircraft, altitude, speeds[0] if len(speeds) == 1 else None)
+    bench = prepare(aircraft, altitude)  # a trim must not depend on the others that were asked for
     if len(speeds) > 1:
         low, high = SLOWEST * bench.stall, FASTEST * bench.stall
         speeds = tuple(v for v in speeds if low <= v <= high) or (TYPICAL * bench.stall,)
@@ -74,7 +74,7 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
         # what has been found never depends on the clock; only the search for a first one is given up
         if not found and time.monotonic() > deadline:
             break
-        trim, fdm = trim_at(bench, speed, math.inf if found else deadline, found[-1].trim if found else None)
+        trim, fdm = trim_at(bench, speed, math.inf if found else deadline)
         if isinstance(trim, Trim):
             found.append(model_at(bench, trim, fdm))
             beyond = 0
@@ -89,20 +89,25 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
     return found
 
 
-def prepare(aircraft: Aircraft, altitude: float, airspeed: float | None) -> Bench:
-    """Return the aircraft with its engines and surfaces tried, at an airspeed or a typical one."""
+def prepare(aircraft: Aircraft, altitude: float) -> Bench:
+    """Return the aircraft with its engines and surfaces tried, at its own airspeed or a typical one."""
     fdm = initialised(aircraft, FRAME_S)
     stall = stall_speed(fdm, altitude)
     given = aircraft.initial.airspeed_mps if aircraft.initial else None
-    speed = airspeed or given or TYPICAL * stall
+    speed = given or TYPICAL * stall
     throttles: tuple[str, ...] = ()
     way, frame, powered = "running", FRAME_S, engines.count(fdm) > 0
     if powered:
         throttles, way, frame, powered = _engines(aircraft, fdm, speed, altitude)
-    fdm = _frozen(aircraft, speed, altitude, frame, way if powered else "running")
-    set_throttle(fdm, throttles, 0.3 if powered else 0.0)
-    settle(fdm, least_s=0.5)
-    surfaces = aircraft.named_effectors() or discover.surfaces(aircraft, fdm)
+
+    def fresh() -> jsbsim.FGFDMExec:
+        made = _frozen(aircraft, speed, altitude, frame, way if powered else "running")
+        set_throttle(made, throttles, 0.3 if powered else 0.0)
+        settle(made, least_s=0.5)
+        return made
+
+    surfaces = aircraft.named_effectors() or discover.surfaces(aircraft, fresh, missing(aircraft))
+    fdm = fresh()
     if not surfaces:
         raise NoTrimError(
             f"aircraft {aircraft.name}, {aircraft.xml}",
@@ -204,6 +209,8 @@ def rough(aircraft: Aircraft, fdm: jsbsim.FGFDMExec, surfaces: dict[str, Surface
             scale[j] = surface.rad_per_command
         elif name in SURFACES and not aircraft.effectors:  # positive for a positive moment about its axis
             scale[j] = math.copysign(scale[j], slope[3 + SURFACES.index(name)])
+        if surface.stop_rad is not None and surface.rad_per_command is None:
+            ends = (-surface.stop_rad / abs(scale[j]), surface.stop_rad / abs(scale[j]))
         ranges[j], B[:, j] = ends, slope / scale[j]
         backlash[j] = servo.get("backlash_rad", 0.0) / abs(scale[j])
     reach = np.max(np.abs(ranges * scale[:, None]), axis=1)
@@ -220,8 +227,8 @@ def position_rad(name: str | None) -> float:
 
 def _ends(fdm: jsbsim.FGFDMExec, surface: Surface, known: str | None, unit: str) -> tuple[float, float]:
     """Return least and greatest command: those of a normalised one, as declared, or where the position stays."""
-    if surface.stop_rad is not None:
-        reach = surface.stop_rad / abs(surface.rad_per_command or 1.0)
+    if surface.stop_rad is not None and surface.rad_per_command is not None:
+        reach = surface.stop_rad / abs(surface.rad_per_command)
         return -reach, reach
     if not unit:
         return -1.0, 1.0
@@ -256,10 +263,8 @@ def _refuse_axes(aircraft: Aircraft, rig: Rig) -> None:
     )
 
 
-def trim_at(
-    bench: Bench, speed: float, deadline: float, before: dict[str, Any] | None = None
-) -> tuple[Trim | Nearest | None, jsbsim.FGFDMExec]:
-    """Return the trim at an airspeed, m/s, or the nearest thing to one, and the FDM, frozen; `before` is a start."""
+def trim_at(bench: Bench, speed: float, deadline: float) -> tuple[Trim | Nearest | None, jsbsim.FGFDMExec]:
+    """Return the trim at an airspeed, m/s, or the nearest thing to one, and the FDM, frozen."""
     aircraft, rig, altitude = bench.aircraft, bench.rig, bench.altitude
     plain = rig.frame_s == FRAME_S and rig.way == "running" and not np.any(rig.backlash) and all(rig.axes)
     plain = plain and bench.powered == (len(rig.throttles) > 0)
@@ -273,13 +278,7 @@ def trim_at(
     if trim is not None:
         return trim, fdm
     search = Search(fdm, rig, speed, altitude, glides=not bench.powered)
-    start = None
-    if before is not None and before["method"] in ("solved", "glide"):
-        third = before["theta"] - before["alpha"] if search.glides else before["throttle"]
-        deflections = np.array(before["surfaces"]) * rig.scale
-        axes = np.linalg.lstsq(rig.mixing, deflections, rcond=None)[0]
-        start = np.array([before["alpha"], third, before["phi"], before["beta"], *axes])
-    return search.solve(deadline, start), fdm
+    return search.solve(deadline), fdm
 
 
 def model_at(bench: Bench, trim: Trim, fdm: jsbsim.FGFDMExec) -> TrimmedModel:

@@ -176,7 +176,7 @@ def stepped(aircraft: Aircraft, model: TrimmedModel) -> TrimmedModel:
     """
     if model.step:
         return model
-    return with_step(model, _step(aircraft, aircraft.sha256(), json.dumps(_written(model))))
+    return with_step(model, _step(aircraft, aircraft.sha256(), json.dumps(written(model))))
 
 
 @functools.lru_cache(maxsize=256)
@@ -195,7 +195,7 @@ def with_step(model: TrimmedModel, step: Mapping[str, Any]) -> TrimmedModel:
 def _cached(aircraft: Aircraft, checksum: str, speeds: tuple[float, ...], altitude: float) -> tuple[TrimmedModel, ...]:
     name = repr(speeds[0]) if len(speeds) == 1 else "all"
     answer = _answer(f"{checksum[:32]}-{name}-{altitude!r}", lambda: _in_child(aircraft, speeds, altitude))
-    return tuple(_read(model) for model in answer["models"])
+    return tuple(read(model) for model in answer["models"])
 
 
 def _answer(name: str, child: Callable[[], str]) -> dict[str, Any]:
@@ -220,13 +220,13 @@ def _answer(name: str, child: Callable[[], str]) -> dict[str, Any]:
     return answer
 
 
-def _written(model: TrimmedModel) -> dict[str, Any]:
+def written(model: TrimmedModel) -> dict[str, Any]:
     """Return a model as JSON takes it."""
     effectors = [e._asdict() for e in model.effectors]
     return {**model._asdict(), "effectors": effectors, "gangs": dict(model.gangs), "step": dict(model.step)}
 
 
-def _read(model: dict[str, Any]) -> TrimmedModel:
+def read(model: dict[str, Any]) -> TrimmedModel:
     return TrimmedModel(**{**model, "effectors": [Measured(**e) for e in model["effectors"]]})
 
 
@@ -260,7 +260,7 @@ def _in_child(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
 
 def _child(aircraft: Aircraft, arguments: Sequence[str], text: str = "") -> str:
     """Return the last line that a child process with these arguments, and `text` on its input, prints."""
-    command = [sys.executable, "-m", __name__, aircraft.reference, *arguments]
+    command = [sys.executable, "-m", "uavftc.plants.jsbsim.child", aircraft.reference, *arguments]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as child:
@@ -290,35 +290,3 @@ def _crash(aircraft: Aircraft, found: str, stderr: str) -> InputError:
         expected="an aircraft that JSBSim loads and runs",
         remedy="look for a name that does not exist or a function that uses itself, in the part you changed last",
     )
-
-
-def main(reference: str, altitude: str, *speeds: str) -> None:
-    """Measure and print one JSON document: the models at the speeds that trim, or the nearest refusal.
-
-    With `step` for the altitude: the step check of the model that is on standard input.
-    """
-    from uavftc.aircraft.definition import load_aircraft  # noqa: PLC0415
-    from uavftc.plants.jsbsim.measure import models_of  # noqa: PLC0415
-    from uavftc.plants.jsbsim.step_check import check  # noqa: PLC0415
-
-    try:
-        if altitude == "step":
-            print(json.dumps({"step": check(load_aircraft(reference), _read(json.load(sys.stdin))), "lasting": True}))
-        else:
-            aircraft = load_aircraft(reference)
-            models = models_of(aircraft, tuple(map(float, speeds)), float(altitude))
-            if len(speeds) == 1:  # of many, only the one that is flown is checked, by `stepped`
-                models = [with_step(m, check(aircraft, m)) for m in models]
-            print(json.dumps({"models": [_written(m) for m in models], "lasting": True}))
-    except InputError as error:
-        fields = {key: getattr(error, key) for key in ("where", "found", "expected", "remedy")}
-        # a load error names the path, and another file with the same content has another path
-        print(json.dumps({"error": fields, "lasting": isinstance(error, NoTrimError)}))
-    sys.stdout.flush()
-    os._exit(0)  # some aircraft crash JSBSim as it is taken down
-
-
-if __name__ == "__main__":
-    from uavftc.plants.jsbsim import model  # noqa: PLW0406 - so that its errors are those that the others raise
-
-    model.main(*sys.argv[1:])

@@ -16,7 +16,7 @@ import numpy as np
 from uavftc.plants.jsbsim import engines
 from uavftc.plants.jsbsim.rig import Rig
 from uavftc.plants.jsbsim.settle import set_from_below, settle
-from uavftc.plants.jsbsim.trim import JSBSIM_TOLERANCE, TOLERANCE, Trim, configure, freeze, of_rig, place, set_throttle
+from uavftc.plants.jsbsim.trim import JSBSIM_TOLERANCE, Trim, configure, freeze, of_rig, place, set_throttle
 
 ALPHA, THIRD, PHI, BETA = range(4)
 STEP = np.array([2e-3, 0.02, 5e-3, 5e-3, 0.01, 0.01, 0.01])  # of the differences
@@ -95,19 +95,16 @@ class Search:
         set_from_below(fdm, self.rig.commands(x[4:]), self.rig.slack())
         return settle(fdm)
 
-    def solve(self, deadline: float, start: np.ndarray | None = None) -> Trim | Nearest | None:
-        """Return the trim; or the nearest to one; or None where nothing finite was found or the time is up.
-
-        start: unknowns of a trim nearby, (7,), tried first.
-        """
+    def solve(self, deadline: float) -> Trim | Nearest | None:
+        """Return the trim; or the nearest to one; or None where nothing finite was found or the time is up."""
         best: tuple[float, np.ndarray, np.ndarray] | None = None
         level = [np.array([0.05, t, 0.0, 0.0, 0.0, 0.0, 0.0]) for t in ((-0.08,) if self.glides else STARTS)]
-        for first in level if start is None else [start, level[0]]:
+        for first in level:
             x, f = self._newton(first, deadline)
             size = float(np.max(np.abs(f)))
             if np.isfinite(size) and (best is None or size < best[0]):
                 best = size, x, f
-            if size < TOLERANCE or (size < ACCEPTED and best[0] == size) or time.monotonic() > deadline:
+            if size < ACCEPTED or time.monotonic() > deadline:
                 break
         if best is None:
             return None
