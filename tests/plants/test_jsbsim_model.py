@@ -20,6 +20,7 @@ from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.measure import models_of
 from uavftc.plants.jsbsim.model import NOMINAL_RAD, trimmed_model
 from uavftc.plants.jsbsim.plant import INTEGRATORS
+from uavftc.plants.jsbsim.step_check import check
 from uavftc.plants.jsbsim.trim import JSBSIM_TOLERANCE, TOLERANCE, Trim, command, configure, freeze, place, run_for
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
@@ -268,6 +269,7 @@ def test_the_child_measures_what_this_process_does():
     aircraft, found = stock("c172p")
     airspeed, altitude = CONDITIONS["c172p"]
     (here,) = models_of(aircraft, (airspeed,), altitude)
+    here = model.with_step(here, check(aircraft, here))
     assert json.dumps(model.written(here)) == json.dumps(model.written(found))
 
 

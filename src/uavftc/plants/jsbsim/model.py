@@ -227,6 +227,7 @@ def written(model: TrimmedModel) -> dict[str, Any]:
 
 
 def read(model: dict[str, Any]) -> TrimmedModel:
+    """Return the model that `written` wrote."""
     return TrimmedModel(**{**model, "effectors": [Measured(**e) for e in model["effectors"]]})
 
 
