@@ -31,7 +31,7 @@ import numpy as np
 from uavftc.aircraft.definition import STOCK, stock_dir, stock_names
 from uavftc.core.signals import AXES
 from uavftc.errors import InputError
-from uavftc.plants.jsbsim.model import ALTITUDE_M, SPEEDS_MPS
+from uavftc.plants.jsbsim.model import ALTITUDE_M, FRAME_S, SPEEDS_MPS
 from uavftc.report.effectors_text import servo_text
 from uavftc.report.progress import stages
 
@@ -44,7 +44,6 @@ SLOWED = 0.1  # change of airspeed over the airspeed of the trim that is named a
 AT_STOP = 0.01  # share of a flight at a stop that is named as a reason
 PATIENCE_S = 600.0  # for loading and trimming one aircraft: the page must not depend on how busy the machine was
 FEW = 6  # effectors whose names are written out
-FRAME_S = 5e-3  # the plant step where engines need no shorter one
 
 _UMN = ("UASLab/OpenFlightSim", "b020511223946b8642c73a35eacd17c4d5c09ddf")
 SOURCES = {
@@ -74,7 +73,8 @@ def fly_one(reference: str, scenarios: Sequence[str]) -> Survey:
     found = _nothing(reference)
     try:
         first = load_scenario(scenarios[0], aircraft=reference, overrides=["saturation=null"])
-        model = design_model(first, load_aircraft(reference))
+        aircraft = load_aircraft(reference)
+        model = models.stepped(aircraft, design_model(first, aircraft))
     except InputError as error:
         return found | {"reason": error.found}
     found["measured"] = _measured(model)
@@ -288,7 +288,7 @@ def _flight_cells(flight: Survey, iae: float | None) -> list[str]:
 
 
 MEASURED = (
-    "Limits about the trim, least..greatest [deg], of roll / pitch / yaw: what the axis moved alone has until its first "
+    "Limits about the trim, least..greatest [deg], of roll / pitch / yaw: what an axis moved alone has until its first "
     "surface is at a stop. Full over slope: what the axis does at either limit, over what its slope in the small makes "
     "of that deflection; 1 where the two are within 2 %. Backlash is the width of the hysteresis. Engines: how they "
     "were started, where it took more than saying that they run."
@@ -339,8 +339,8 @@ def models_part(found: Sequence[Survey]) -> str:
         MODELS_BEGIN,
         *_folded(
             "Models of small aircraft and a sailplane as they were published, unmodified and without a companion file; "
-            "they are no part of this project. Scenario 1 with the limits of the aircraft, without a tuned number; where "
-            "nothing acts about yaw, `reference.psi_deg` is 0:"
+            "they are no part of this project. Scenario 1 with the limits of the aircraft, without a tuned number; "
+            "where nothing acts about yaw, `reference.psi_deg` is 0:"
         ),
         "",
         "```sh",

@@ -297,22 +297,16 @@ def test_the_condition_can_be_chosen(tmp_path):
         assert (trim["airspeed_mps"], trim["altitude_m"]) == (45.0, 500.0)
 
 
-def test_a_refused_aircraft_has_its_document(tmp_path):
-    # c172x flies by its autopilot: the commands of aileron and elevator reach no surface.
+def test_surfaces_with_backlash_are_measured_beyond_it(tmp_path):
+    # c172x: the hysteresis of elevator and ailerons is wider than any small deflection: small steps move nothing.
     done = run(tmp_path, "jsbsim:c172x", "--json", "--airspeed-mps", "51")
     assert done.exit_code == 0, done.output
     found = as_json(done.stdout)
-    assert found["verdict"] == "refused"
-    assert any("no small-signal elevator response" in reason for reason in found["reasons"])
-    assert found["authority"]["roll"] is None
-    assert found["K"] is None
-    assert found["l1_norm_G"] is None
-    assert "inverse" in found["reason"]
-    assert found["trim"]["airspeed_mps"] == 51.0
-    assert len(found["modes"]) >= 4
+    assert found["verdict"] == "flyable"
+    assert found["effectors"][1]["servo"]["backlash_rad"] > 0.0
+    assert found["controllability"]["rank"] == 3
     read = run(tmp_path, "jsbsim:c172x", "--airspeed-mps", "51")
-    assert read.exit_code == 0
-    assert "c172x: refused" in read.stdout
+    assert "backlash" in read.stdout
 
 
 def test_too_large_a_step_is_refused_with_the_ratio(tmp_path):
@@ -322,6 +316,9 @@ def test_too_large_a_step_is_refused_with_the_ratio(tmp_path):
     assert found["authority"]["yaw"]["ratio"] < 1.0
     assert f"{found['authority']['yaw']['ratio']:.2f} times" in " ".join(found["reasons"])
     assert found["K"] is not None
+    read = run(tmp_path, "jsbsim:c172p", "--airspeed-mps", "62", "--set", "reference.phi_deg=60")
+    assert read.exit_code == 0
+    assert "c172p: refused" in read.stdout
 
 
 def test_for_reading_it_fits_a_hundred_columns(tmp_path):

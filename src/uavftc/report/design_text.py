@@ -17,7 +17,6 @@ from uavftc.report import effectors_text
 from uavftc.report.fleet_table import times
 
 Line = Callable[..., None]
-FRAME_S = 5e-3  # the plant step that any aircraft flies with, unless its engines need a shorter one
 
 METHODS = {
     "jsbsim": "JSBSim's own trim",
@@ -106,8 +105,6 @@ def _print_effectors(console: Console, line: Line, document: dict[str, Any]) -> 
         line("roll, pitch, yaw: deflection per deflection of the axis; p_dot, q_dot, r_dot: effect per rad\n")
     for text in (*effectors_text.servo_lines(effectors), *effectors_text.full_lines(effectors)):
         line(text)
-    if document["propulsion"]["frame_s"] < FRAME_S:
-        line(f"plant step: its propellers need {1e3 * document['propulsion']['frame_s']:g} ms or less")
 
 
 def _print_loop(console: Console, line: Line, document: dict[str, Any]) -> None:

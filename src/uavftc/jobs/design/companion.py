@@ -24,7 +24,7 @@ from uavftc.errors import InputError
 from uavftc.flight.condition import axes_of_model, reasons_against
 from uavftc.jobs.design.fleet import span
 from uavftc.jobs.design.trimmed import design_model
-from uavftc.plants.jsbsim.model import TrimmedModel, notes, trimmed_model
+from uavftc.plants.jsbsim.model import FRAME_S, TrimmedModel, notes, stepped, trimmed_model
 from uavftc.report.effectors_text import effect_text, servo_text
 from uavftc.results.single import cannot_write, write_single
 from uavftc.scenario.schema import Scenario
@@ -74,8 +74,8 @@ def write(scenario: Scenario, aircraft: Aircraft) -> Written:
         If there is no trim, or the aircraft is refused with the file; nothing is left then.
     """
     check(aircraft)
-    model = design_model(scenario, aircraft)
-    complaints = notes(aircraft, model)
+    model = stepped(aircraft, design_model(scenario, aircraft))
+    complaints = notes(aircraft, model._replace(frame_s=FRAME_S))  # a fine plant step is nobody's fault
     refused = reasons_against(scenario, model)
     kept = False
     try:
@@ -217,7 +217,7 @@ def _engine_comments(model: TrimmedModel, indent: str = "") -> list[str]:
     said = [f"thrust answers by {model.throttle_mps2:.3g} m/s^2 per unit of throttle"]
     if way := started.get(model.trim.get("way", "running"), ""):
         said.append(f"started {way}")
-    if model.frame_s < 5e-3:
+    if model.frame_s < FRAME_S:
         said.append(f"flown in steps of {1e3 * model.frame_s:g} ms or less")
     return _comments(["; ".join(said)], indent)
 

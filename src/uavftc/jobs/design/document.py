@@ -31,7 +31,7 @@ from uavftc.core.axes import ALL, Controlled, embedded, indices, reduced
 from uavftc.errors import InputError
 from uavftc.jobs.design.reference import flight_document, inner_of, l1_of
 from uavftc.jobs.design.trimmed import design_model, held_axes, trimmed_sections
-from uavftc.plants.jsbsim.model import notes
+from uavftc.plants.jsbsim.model import notes, stepped
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
@@ -89,7 +89,7 @@ def design_document(
             expected="one design: its bounds, and a flight with it",
             remedy="leave --scenario out; the design is then that of the flight",
         )
-    model = design_model(source, aircraft)
+    model = stepped(aircraft, design_model(source, aircraft))
     document: dict[str, Any] = {
         "aircraft": aircraft.name,
         **trimmed_sections(source, aircraft, model),
