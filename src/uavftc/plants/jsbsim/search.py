@@ -26,6 +26,8 @@ LEVEL = ((-0.25, 0.45), (0.0, 1.0), (-0.4, 0.4), (-0.2, 0.2))  # bounds: alpha, 
 GLIDE = (-0.7, 0.2)
 STARTS = (0.5, 0.25, 0.8)  # throttle
 ITERATIONS = 14
+ENGINES_S, STARTED_S = 4.0, 8.0  # in which engines come to rest
+BURNING = 3e-5  # change in a window that counts as none where fuel burns and the mass falls
 SOLVED = 1e-8  # m/s^2 and rad/s^2: nothing more is gained
 ACCEPTED = JSBSIM_TOLERANCE  # what engines that never come to rest, or burn fuel, may leave
 EQUATIONS = ("u_dot", "v_dot", "w_dot", "p_dot", "q_dot", "r_dot")
@@ -93,7 +95,9 @@ class Search:
         place(fdm, airspeed=t.airspeed, altitude=t.altitude, alpha=t.alpha, theta=t.theta, phi=t.phi, beta=t.beta)
         set_throttle(fdm, t.throttles, t.throttle)
         set_from_below(fdm, self.rig.commands(x[4:]), self.rig.slack())
-        return settle(fdm)
+        if self.rig.way == "running":
+            return settle(fdm, patience_s=ENGINES_S)
+        return settle(fdm, least_s=0.5, patience_s=STARTED_S, at_rest=BURNING)
 
     def solve(self, deadline: float) -> Trim | Nearest | None:
         """Return the trim; or the nearest to one; or None where nothing finite was found or the time is up."""

@@ -30,7 +30,9 @@ def run_for(fdm: jsbsim.FGFDMExec, seconds: float) -> None:
         fdm.run()
 
 
-def settle(fdm: jsbsim.FGFDMExec, *, least_s: float = 0.0, patience_s: float = PATIENCE_S) -> np.ndarray:
+def settle(
+    fdm: jsbsim.FGFDMExec, *, least_s: float = 0.0, patience_s: float = PATIENCE_S, at_rest: float = AT_REST
+) -> np.ndarray:
     """Run frames until nothing changes any more, and return the accelerations, shape (6,)."""
     run_for(fdm, least_s)
     before = np.array(accelerations(fdm))
@@ -39,7 +41,7 @@ def settle(fdm: jsbsim.FGFDMExec, *, least_s: float = 0.0, patience_s: float = P
         now = np.array(accelerations(fdm))
         if not np.all(np.isfinite(now)):
             return now
-        if np.max(np.abs(now - before)) <= AT_REST * max(1.0, np.max(np.abs(now))):
+        if np.max(np.abs(now - before)) <= at_rest * max(1.0, np.max(np.abs(now))):
             return now
         before = now
     return before
