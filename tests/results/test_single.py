@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from uavftc.errors import InputError
-from uavftc.results.single import KINDS, check_figure, figure_metadata, write_figure
+from uavftc.results.single import KINDS, check_figure, figure_metadata, write_single
 
 
 def draw(file: Path, metadata: dict[str, str | None] | None = None) -> None:
@@ -22,7 +22,7 @@ def draw(file: Path, metadata: dict[str, str | None] | None = None) -> None:
 def test_a_figure_of_ours_is_replaced_and_one_of_the_users_is_not(tmp_path: Path, kind: str) -> None:
     file = tmp_path / f"figure{kind}"
     check_figure("--figure", file, force=False)
-    write_figure(file, lambda partial: draw(partial, figure_metadata(kind)))
+    write_single(file, lambda partial: draw(partial, figure_metadata(kind)))
     check_figure("--figure", file, force=False)
     draw(file)
     before = file.read_bytes()
@@ -42,7 +42,7 @@ def test_what_is_no_figure_is_the_users(tmp_path: Path, content: bytes) -> None:
 
 
 def test_a_link_and_a_pipe_are_the_users_and_nobody_waits(tmp_path: Path) -> None:
-    write_figure(tmp_path / "ours.png", lambda partial: draw(partial, figure_metadata(".png")))
+    write_single(tmp_path / "ours.png", lambda partial: draw(partial, figure_metadata(".png")))
     (tmp_path / "link.png").symlink_to(tmp_path / "ours.png")
     (tmp_path / "gone.png").symlink_to(tmp_path / "nowhere.png")
     os.mkfifo(tmp_path / "pipe.png")
@@ -66,6 +66,6 @@ def test_a_drawing_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
         raise OSError(28, "No space left on device")
 
     with pytest.raises(OSError, match="No space"):
-        write_figure(file, fails)
+        write_single(file, fails)
     assert file.read_text() == "before"
     assert os.listdir(tmp_path) == ["figure.png"]
