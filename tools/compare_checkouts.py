@@ -337,13 +337,13 @@ def _difference(old: pa.ChunkedArray, new: pa.ChunkedArray) -> tuple[np.ndarray,
 def _summaries(old_path: Path, new_path: Path, found: Compared) -> None:
     old, new = (_flat(json.loads(path.read_text(encoding="utf-8"))) for path in (old_path, new_path))
     keys = [key for key in dict.fromkeys([*old, *new]) if key.split(".")[0] not in IGNORED]
-    changed = [key for key in keys if old.get(key) != new.get(key)]
+    if added := [key for key in keys if key not in old]:
+        found.notes.append(f"in the summary only in NEW: {', '.join(added)}")
+    changed = [key for key in keys if key in old and old[key] != new.get(key)]
     if len(changed) > 3:  # their values would only say again what the columns say
         found.differences.append(f"summary {', '.join(changed)}")
     else:
-        found.differences.extend(
-            f"summary {key} {old.get(key, 'absent')} / {new.get(key, 'absent')}" for key in changed
-        )
+        found.differences.extend(f"summary {key} {old[key]} / {new.get(key, 'absent')}" for key in changed)
 
 
 def _flat(value: Any, key: str = "") -> dict[str, str]:
