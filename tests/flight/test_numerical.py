@@ -54,7 +54,7 @@ def test_lost_to_its_step(fast_roll, tmp_path):
     assert outcome.numerical
     for part in (
         "numerical: lost at plant steps of 5 ms (attitude outside the envelope: bank",
-        "), and not at 2.5 ms and 1.25 ms with the same commands; set simulation.substeps to 2 or more",
+        "), and not at 2.5 ms and 1.25 ms with the same commands; set simulation.substeps to 5 or more",
     ):
         assert part in outcome.ended_because
     written = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
@@ -63,7 +63,7 @@ def test_lost_to_its_step(fast_roll, tmp_path):
     check = written["provenance"]["plant_settings"]["step_check"]
     assert (check["frame_s"], check["passed"]) == (1e-3, True)
     assert [t["frame_s"] for t in check["tried"]] == [5e-3, 2.5e-3, 1e-3]
-    assert any("simulation.substeps: 1 makes plant steps of 5 ms, where stiff takes at most 1 ms" in line
+    assert any("simulation.substeps: 1 makes plant steps of 5 ms, where stiff needs at most 1 ms" in line
                for line in document["warnings"])  # fmt: skip
 
 

@@ -59,6 +59,7 @@ def test_a_finer_step_is_said_with_its_reason(tmp_path):
     (line,) = (line for line in notes(aircraft, model) if "plant steps" in line)
     assert "at most 2.5 ms, where 5 ms are usual: the step check fails at 5 ms (body rates differs" in line
     by_engines = model._replace(frame_s=1e-3, step={"tried": [{"frame_s": 1e-3, "passed": True}]})
+    assert finer_because(model._replace(step={**model.step, "passed": False})) is None  # the flight says it
     assert finer_because(by_engines) == "the thrust of its engines is another at longer ones"
 
 

@@ -11,6 +11,7 @@ near it all the same. The airspeed hold acts in a replay as it does in flight. A
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -39,7 +40,7 @@ def unsound(flight: Flight) -> str | None:
         return None
     return (
         f"numerical: the step check passes at no plant step down to {model.frame_s * 1e3:g} ms "
-        f"({missed_by(model.step)}); set simulation.substeps to fly it all the same, at t = 0.000 s"
+        f"({missed_by(model.step)}); set simulation.substeps to fly it all the same"
     )
 
 
@@ -91,7 +92,8 @@ def verdict(
         return False, reason, ()
     h, *finer = (f"{flight.given.plant_step / n * 1e3:.4g} ms" for n in (1, *FINER))
     said = f"numerical: lost at plant steps of {h} ({reason}), and not at {' and '.join(finer)} with the same commands"
-    return True, f"{said}; set simulation.substeps to {FINER[0] * steps} or more", ()
+    allowed = math.ceil(flight.given.h / flight.model.frame_s - 1e-9) if flight.model is not None else 1
+    return True, f"{said}; set simulation.substeps to {max(FINER[0] * steps, allowed)} or more", ()
 
 
 def replay(flight: Flight, tape: Tape, rows: int, finer: int, stop: Callable[[], bool] | None) -> bool | None:

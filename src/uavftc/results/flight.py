@@ -159,7 +159,7 @@ def coarse(flight: Flight) -> list[str]:
     if step <= model.frame_s * (1.0 + 1e-9):
         return []
     taken = f"simulation.substeps: {substeps} makes plant steps of {step * 1e3:.4g} ms"
-    return [f"{taken}, where {name} takes at most {model.frame_s * 1e3:g} ms by itself"]
+    return [f"{taken}, where {name} needs at most {model.frame_s * 1e3:g} ms"]
 
 
 def metadata_of(scenario: Scenario, origin: dict[str, Any]) -> dict[str, str]:

@@ -112,13 +112,13 @@ def notes(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
         lines.append(f"{aircraft.xml.name} reads what nothing defines, taken as 0: {', '.join(held)}")
     if (reason := finer_because(model)) is not None:
         usual = f"where {FRAME_S * 1e3:g} ms are usual"
-        lines.append(f"{aircraft.name} takes plant steps of at most {model.frame_s * 1e3:g} ms, {usual}: {reason}")
+        lines.append(f"{aircraft.name} needs plant steps of at most {model.frame_s * 1e3:g} ms, {usual}: {reason}")
     return lines
 
 
 def finer_because(model: TrimmedModel) -> str | None:
-    """Return why an aircraft takes finer plant steps than usual, or None where it does not."""
-    if model.frame_s >= FRAME_S:
+    """Return why an aircraft takes finer plant steps than usual, or None where it does not or none is fine enough."""
+    if model.frame_s >= FRAME_S or not model.step.get("passed", True):
         return None
     tried = model.step.get("tried", [])
     if not tried or tried[0]["frame_s"] == model.frame_s:
