@@ -42,8 +42,11 @@ def test_a_flight_within_bounds_lacks_nothing_whatever_its_stops(tool):
 def test_what_is_outside_is_said_in_numbers_with_what_may_have_caused_it(tool):
     slow = GOOD | {"error_deg": [0.1, 1.4, None], "iae": [0.3, 0.2, None], "airspeed_change_mps": 5.0}
     assert tool.against(ONE, slow, iae=0.25) == [
-        "pitch 1.4 deg off", "roll 0.30 rad s", "airspeed changes by 5.0 of 20 m/s", "left at its stop 50 % of the time",
+        "pitch 1.4 deg off",
+        "roll 0.30 rad s",
+        "airspeed changes by 5.0 of 20 m/s",
+        "left at its stop 50 % of the time",
         "servo with lag 50 rad/s",
-    ]  # fmt: skip
+    ]
     lost = GOOD | {"completed": False, "ended_because": "bank angle outside the envelope"}
     assert tool.against(ONE, lost, iae=None)[0] == "lost: bank angle outside the envelope"
