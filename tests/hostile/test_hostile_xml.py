@@ -20,7 +20,7 @@ from uavftc.config.shipped import aircraft_dir
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
-from uavftc.plants.jsbsim import model
+from uavftc.plants.jsbsim import measure, model, step_check
 from uavftc.scenario.load import load_scenario
 
 HALE = aircraft_dir() / "hale"
@@ -37,7 +37,9 @@ def flown(folder: Path) -> str:
 
 def measured_here(aircraft, speeds, altitude):
     """Stand in for the child process that measures a model: each mutant is in one already."""
-    return json.dumps({"models": [model.measure(aircraft, s, altitude)._asdict() for s in speeds], "lasting": False})
+    models = measure.models_of(aircraft, tuple(speeds), altitude)
+    stepped = [model.with_step(m, step_check.check(aircraft, m)) for m in models]
+    return json.dumps({"models": [model.written(m) for m in stepped], "lasting": False})
 
 
 def trial(mutant: Mutant | None, place: Path, pipe, as_a_user: bool) -> None:

@@ -114,7 +114,8 @@ def prepare(aircraft: Aircraft, altitude: float) -> Bench:
             found="no surface: no property that the flight controls read and nothing writes moves an angular "
             f"acceleration for as long as it is set; {discover.why_none(fdm)}",
             expected="an aircraft whose surfaces can be commanded",
-            remedy="name its surfaces in a companion file, key effectors (docs/new-aircraft.md)",
+            remedy="name its surfaces in a companion file, key effectors (docs/new-aircraft.md); below flight controls "
+            "that hold a rate of their own, whose integrators stand at their ends in a vehicle that is held",
         )
     rig = rough(aircraft, fdm, surfaces)._replace(throttles=throttles, way=way, frame_s=frame)
     if not np.all(np.isfinite(rig.B)):
