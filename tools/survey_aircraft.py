@@ -85,7 +85,7 @@ def fly_one(reference: str, scenarios: Sequence[str]) -> Survey:
         try:
             found["flights"][scenario] = _flown(scenario, reference, ["saturation=null", *still])
         except InputError as error:
-            found["flights"][scenario] = {"refused": error.found}
+            found["flights"][scenario] = {"refused": error.found, "where": error.where}
     if all("refused" in flight for flight in found["flights"].values()):
         found |= {"reason": found["flights"][scenarios[0]]["refused"], "flights": {}}
     return found
@@ -111,6 +111,7 @@ def _measured(model: Any) -> Survey:
         "limits_deg": np.degrees(limits).tolist(),
         "full": [[float(x) if np.isfinite(x) else None for x in pair] for pair in full],
         "engines": model.engines,
+        "engines_there": len(model.engine_names),
         "started": model.trim.get("way", "running"),
         "frame_s": model.frame_s,
         "declared": len(model.declared),
@@ -184,7 +185,7 @@ def survey(references: Sequence[str], scenarios: Sequence[str]) -> list[Survey]:
 def against(one: Survey, flight: Survey, *, iae: float | None) -> list[str]:
     """Return in words and numbers what a flight lacks; empty where it was completed within bounds on each axis."""
     if "refused" in flight:
-        return [f"not flown: {_plain(flight['refused'])}"]
+        return [f"not flown: {_plain(flight['where'])}: {_plain(flight['refused'])}"]
     if not flight["completed"]:
         return [f"lost: {_plain(flight['ended_because'])}", *_reasons(one, flight)]
     said = []
@@ -315,6 +316,8 @@ def measured_cells(measured: Survey) -> list[str]:
               for (low, high), has in zip(measured["limits_deg"], own, strict=True)]  # fmt: skip
     full = [_sides(pair) if has else "-" for pair, has in zip(measured["full"], own, strict=True)]
     engines = f"{measured['engines']}" if measured["engines"] else "none"
+    if dead := measured["engines_there"] - measured["engines"]:
+        engines = f"none of {dead} runs"
     started = {"running": "", "fuel": ", fuel on", "starter": ", by starter"}[measured["started"]]
     return [
         f"{len(names)}: {shown}",

@@ -161,3 +161,13 @@ def test_names_that_yaml_takes_for_something_else_are_quoted(tmp_path):
     scenario = load_scenario("scenario1", aircraft=str(folder), overrides=["initial.airspeed_mps=20"])
     companion.write(scenario, load_aircraft(str(folder)))
     assert load_aircraft(str(folder)).name == "737"
+
+
+def test_engines_that_give_no_thrust_are_said(twice, tmp_path):
+    folder = tmp_path / "vtail"
+    shutil.copytree(twice[0], folder)
+    aircraft = load_aircraft(str(folder))
+    model = design_model(load_scenario("scenario1", aircraft=str(folder)), aircraft)
+    text = companion.text(aircraft, model._replace(engines=0), [], [])
+    assert "None of its engines gives thrust" in text
+    assert "throttle:" not in text

@@ -126,6 +126,8 @@ def text(aircraft: Aircraft, model: TrimmedModel, complaints: Sequence[str], ref
         "# excepted, is found or measured again. All keys: docs/new-aircraft.md of uavftc.",
     ]
     lines += _comments(f"The paper's controller cannot fly it as it is: {reason}." for reason in refused)
+    if model.engine_names and not model.engines:
+        lines += ["# None of its engines gives thrust, whatever was tried to start them: it is flown as a glider."]
     lines += _comments(f"{line[:1].upper()}{line[1:]}." for line in left_to_the_airframe(axes_of_model(model)))
     trim = model.trim
     power = f"throttle {trim['throttle']:.2f}" if model.engines else f"path {_deg(trim['theta'] - trim['alpha'])} deg"
@@ -228,7 +230,8 @@ def _throttles(model: TrimmedModel) -> list[str]:
 
 def _description(aircraft: Aircraft, model: TrimmedModel) -> str:
     wing = span(aircraft)
-    engines = {0: "no engine", 1: "1 engine"}.get(model.engines, f"{model.engines} engines")
+    count = len(model.engine_names)
+    engines = {0: "no engine", 1: "1 engine"}.get(count, f"{count} engines")
     return ", ".join([f"{model.mass_kg:.4g} kg", *([] if wing is None else [f"{wing:.3g} m span"]), engines])
 
 
