@@ -169,5 +169,5 @@ def test_engines_that_give_no_thrust_are_said(twice, tmp_path):
     aircraft = load_aircraft(str(folder))
     model = design_model(load_scenario("scenario1", aircraft=str(folder)), aircraft)
     text = companion.text(aircraft, model._replace(engines=0), [], [])
-    assert "None of its engines gives thrust" in text
+    assert "No throttle moves the thrust of its engines" in text
     assert "throttle:" not in text

@@ -23,8 +23,8 @@ _NAME = r"[A-Za-z][A-Za-z0-9_]*"
 
 
 def is_property(name: str) -> bool:
-    """Return whether JSBSim may be asked for a property of this name."""
-    return len(name) <= 200 and re.fullmatch(_PROPERTY, name) is not None
+    """Return whether JSBSim may be asked for a property of this name; one with a slash first is another program's."""
+    return len(name) <= 200 and re.fullmatch(f"/?{_PROPERTY}", name) is not None
 
 
 def _property(name: str) -> str:

@@ -45,8 +45,8 @@ def _included(aircraft: Aircraft, name: str) -> Path | None:
 
 
 def bare(text: str | None) -> str:
-    """Return the property that a text names, without sign and leading slash; empty where it names none."""
-    name = (text or "").strip().lstrip("-+").lstrip("/")
+    """Return the property that a text names, without its sign; empty where it names none."""
+    name = (text or "").strip().lstrip("-+")
     return name if is_property(name) and not re.fullmatch(r"[0-9.eE+-]+", name) else ""
 
 

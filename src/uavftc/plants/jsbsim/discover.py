@@ -34,6 +34,7 @@ TRIED = 40  # properties at most
 LASTING = 0.4  # share of an effect that may stay when a command is released: backlash, or a slow servo
 STEPS = {"rad": 0.1, "deg": 5.0, "": 0.3}  # of a command that is tried, by its unit
 NOT_SURFACES = re.compile(r"throttle|mixture|advance|brake|gear|steer|starter|magneto|hold|mode|heading|altitude|wow")
+LIKELY = re.compile(r"throttle|motor|power", re.IGNORECASE)  # in the name of a throttle
 _ENVIRONMENT = ("aero/", "velocities/", "metrics/", "atmosphere/", "position/", "attitude/", "inertia/", "forces/")
 _MINIMAL = """<?xml version="1.0"?><fdm_config name="bare" version="2.0"><metrics><wingarea unit="M2">1</wingarea>
 <wingspan unit="M">1</wingspan><chord unit="M">1</chord><location name="AERORP" unit="M"><x>0</x><y>0</y><z>0</z>
@@ -188,10 +189,11 @@ def _answer(fdm: jsbsim.FGFDMExec, name: str, watched: list[str]) -> tuple[float
 
 
 def throttles(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> tuple[str, ...]:
-    """Return the commands that move the thrust: JSBSim's own, or else what the flight controls read for them."""
+    """Return the commands that move the thrust: JSBSim's own, or else what the flight controls read; or none."""
     standard_names = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(engines.count(fdm)))
     known = _bare_catalogue()
     others = [n for n in unwritten(aircraft) if n not in known and has(fdm, n) and unit(n) == ""][:TRIED]
+    others.sort(key=lambda n: not LIKELY.search(n))
     for names in (standard_names, *((n,) for n in others)):
         pulls = []
         before = [fdm[n] for n in names]
@@ -202,10 +204,10 @@ def throttles(aircraft: Aircraft, fdm: jsbsim.FGFDMExec) -> tuple[str, ...]:
             pulls.append(engines.pull(fdm))
         for n, value in zip(names, before, strict=True):
             fdm[n] = value
-        if not math.isfinite(pulls[1]) or abs(pulls[1] - pulls[0]) > engines.LIVE * engines.weight(fdm):
+        if not math.isfinite(pulls[1]) or pulls[1] - pulls[0] > engines.LIVE * engines.weight(fdm):
             return names
         settle(fdm, least_s=0.5)
-    return standard_names
+    return ()
 
 
 _catalogue: set[str] | None = None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import Any
 
 import jsbsim
 import numpy as np
@@ -30,7 +29,7 @@ MANY = 6  # surfaces
 BEYOND = 2  # airspeeds in a row without a trim, after one with: the top speed is passed
 DEADLINE_S = 20.0  # for all airspeeds of an aircraft together
 CL_MAX = 1.4  # of a wing without flaps, for the lowest airspeed that is tried
-SLOWEST, FASTEST = 1.05, 4.5  # airspeeds tried, in stall speeds
+SLOWEST, FASTEST = 1.25, 4.5  # airspeeds tried, in stall speeds
 TYPICAL = 1.6  # airspeed in stall speeds at which engines and surfaces are tried
 RHO_SI = 515.378818  # kg/m^3 per slug/ft^3
 ENDS = {"rad": 1.5, "deg": 90.0}  # command at which a surface without a normalised command is taken to its stop
@@ -48,6 +47,7 @@ class Bench:
     stall: float
     """Of the wing loading, m/s."""
     powered: bool
+    engines: int
 
 
 def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) -> list[TrimmedModel]:
@@ -127,7 +127,7 @@ def prepare(aircraft: Aircraft, altitude: float) -> Bench:
         )
     if not can_be_held(rig.axes):
         _refuse_axes(aircraft, rig)
-    return Bench(aircraft, altitude, rig, stall, powered)
+    return Bench(aircraft, altitude, rig, stall, powered, engines.count(fdm))
 
 
 def stall_speed(fdm: jsbsim.FGFDMExec, altitude: float) -> float:
@@ -154,12 +154,14 @@ def _engines(
     for way in engines.WAYS:
         fdm = _frozen(aircraft, speed, altitude, frame, way)
         throttles = aircraft.throttle_commands(engines.count(fdm)) if named else discover.throttles(aircraft, fdm)
+        if not throttles:  # none moves the thrust
+            continue
         frame, pull = _frame(aircraft, speed, altitude, way, throttles, frame)
         if pull > engines.LIVE * engines.weight(fdm):
             return throttles, way, frame, True
         if aircraft.autothrottle is not None:  # an aircraft made for this project
             return throttles, "running", FRAME_S, True
-    return throttles, "running", FRAME_S, False
+    return (), "running", FRAME_S, False
 
 
 def _frame(
@@ -381,8 +383,8 @@ def _no_trim(bench: Bench, speeds: tuple[float, ...], nearest: Nearest | None) -
         found = f"no steady flight; {nearest.words()}"
         if "the throttle" in nearest.at and nearest.trim.throttle > 0.5 and nearest.trim.residual[0] < 0.0:
             found += " (thrust is lacking)"
-    if engines_dead := (aircraft_engines(bench) and not bench.powered):
-        found += "; none of its engines gives thrust, whatever was tried to start them"
+    if engines_dead := (bench.engines > 0 and not bench.powered):
+        found += "; no throttle moves the thrust of its engines, whatever was tried to start them"
         remedy = "correct its engines, or name what starts them in the XML; " + remedy
     if bench.rig.frame_s < FRAME_S and not engines_dead:
         found += f"; its propellers need frames of {bench.rig.frame_s * 1e3:g} ms"
@@ -392,9 +394,3 @@ def _no_trim(bench: Bench, speeds: tuple[float, ...], nearest: Nearest | None) -
         expected="a condition in which surfaces and throttle within their limits bring all accelerations to zero",
         remedy=remedy,
     )
-
-
-def aircraft_engines(bench: Bench) -> bool:
-    """Whether the aircraft has engines, running or not."""
-    fdm: Any = initialised(bench.aircraft, FRAME_S)
-    return engines.count(fdm) > 0

@@ -113,6 +113,8 @@ def notes(aircraft: Aircraft, model: TrimmedModel) -> list[str]:
     if (reason := finer_because(model)) is not None:
         usual = f"where {FRAME_S * 1e3:g} ms are usual"
         lines.append(f"{aircraft.name} needs plant steps of at most {model.frame_s * 1e3:g} ms, {usual}: {reason}")
+    if model.trim["method"] == "glide" and model.engine_names:
+        lines.append(f"{aircraft.name} glides: no throttle moves the thrust of its engines")
     return lines
 
 
