@@ -223,7 +223,7 @@ def test_a_part_of_a_stable_matrix_that_is_not_stable_is_refused():
 
 def test_a_control_matrix_that_lacks_an_axis_which_the_aircraft_has_is_refused():
     # a column of zeros is an aircraft without rudder; this one has one
-    config = l1.Config(B_m=np.where([True, True, False], paper.B_M, 0.0).tolist())
+    config = l1.Config().model_copy(update={"B_m": np.where([True, True, False], paper.B_M, 0.0).tolist()})
     assert l1.blocks(config, given_of((True, True, False)))
     with pytest.raises(InputError, match="condition number inf") as error:
         l1.blocks(config, paper.flight_of())

@@ -192,7 +192,7 @@ def printed(*tables):
 
 
 def test_the_scenario_as_flown_flies_again_to_the_bit(folders, tmp_path):
-    # its B_m has a column of zeros, which is read again as an aircraft without rudder
+    # its B_m has no inverse, and is left to the aircraft
     first, _ = fly_mission(
         scenario(folders["rudder"], "rudder", "jsbsim", None, "duration_s=1"), tmp_path / "a", figures=False
     )

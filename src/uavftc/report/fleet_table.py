@@ -11,7 +11,7 @@ WIDTH = 80
 HEADER = f"{'aircraft':<23}{'kg':>7}{'span m':>7}{'eng.':>5} {'trim':<16}can be flown"
 _UNKNOWN = f"{'-':>7}{'-':>7}{'-':>5} "
 _SHORTER = (
-    (r"no steady flight: .*", "no steady flight found"),
+    (r"no steady flight[:;] .*", "no steady flight found"),
     (r"JSBSim cannot initialise it: .*The property (\S+) does not exist", r"no property \1"),
     (r"JSBSim does not finish loading and trimming it within", "does not load and trim within"),
     (r"JSBSim does not load it: (.* \| )?", "not loaded: "),

@@ -61,14 +61,10 @@ def positive_definite(Q: Matrix3) -> list[Problem]:
 
 
 def invertible(B_m: Matrix3 | None) -> list[Problem]:
-    """The gains are B_m^-1 times a matrix; null is the aircraft's B_m, which is checked where it is computed.
-
-    A column of zeros is an axis that nothing acts on; what is left must be invertible.
-    """
+    """The gains are B_m^-1 times a matrix; null is the aircraft's B_m, which is checked where it is computed."""
     if B_m is None:
         return []
-    acting = np.flatnonzero(np.any(np.array(B_m) != 0.0, axis=0))
-    condition = condition_number(np.array(B_m)[np.ix_(acting, acting)])
+    condition = condition_number(np.array(B_m))
     if condition < MAX_CONDITION:
         return []
     found = f"{np.array(B_m).tolist()}, condition number {condition:.3g}"

@@ -43,7 +43,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, field_serializer, model_validator
 from pydantic_core import PydanticCustomError
 
 from uavftc.config.values import Matrix3, Model, Number, Positive, list_of, refusal
@@ -114,8 +114,7 @@ class PredictorConfig(Model):
     Q: Matrix3 = IDENTITY
     """3x3, symmetric positive definite, right side of the Lyapunov equation for P"""
     B_m: Matrix3 | None = None
-    """3x3, 1/s^2, invertible (condition number below 1e8); `null` is the aircraft's. A column of zeros is an axis that
-    the aircraft does not control"""
+    """3x3, 1/s^2, invertible (condition number below 1e8); `null` is the aircraft's"""
     K_0: Matrix3 = ZEROS
     """3x3, s, v2 = -K_0^T x2 + v_ad"""
     effectiveness_bounds: Annotated[tuple[Number, Number], list_of(2, BOUNDS), AfterValidator(_bounds)] = (0.1, 2.0)
@@ -141,6 +140,11 @@ class PredictorConfig(Model):
         if problems:
             raise refusal(problems)
         return self
+
+    @field_serializer("B_m")
+    def _of_the_aircraft(self, B_m: Matrix3 | None) -> Matrix3 | None:
+        """Leave the matrix of an aircraft that lacks an axis to the aircraft: it has no inverse."""
+        return None if B_m is None or not np.all(np.any(np.array(B_m), axis=0)) else B_m
 
     def warnings(self, rate_hz: float) -> list[tuple[str, str]]:
         """Return (key, line) of what is allowed and worth knowing, at a sample rate, Hz."""

@@ -62,8 +62,9 @@ def loop_of(flight: Flight, x1_c: np.ndarray) -> np.ndarray:
     record = np.zeros(1, LOOP)
     for name, module in (("plant", analytic), ("outer", ndi), ("observer", nndo), ("inner", l1)):
         record[name] = params[id(module.stage)]
+    own = np.argmax(flight.given.mixing, axis=0)  # of each axis the effector that moves as it does
     for name in ("u_min", "u_max"):
-        record[name] = np.ravel(params[id(saturation.stage)][name])
+        record[name] = np.ravel(params[id(saturation.stage)][name])[own]
     # An explicit step of 1 s without bounds moves the state of (30) and (31) by its rate.
     record["inner"]["h"] = record["inner"]["explicit"] = 1.0
     for name, free in (("omega_min", -np.inf), ("omega_max", np.inf), ("W_max", np.inf), ("eps_max", np.inf)):

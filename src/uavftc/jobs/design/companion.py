@@ -127,7 +127,9 @@ def text(aircraft: Aircraft, model: TrimmedModel, complaints: Sequence[str], ref
     ]
     lines += _comments(f"The paper's controller cannot fly it as it is: {reason}." for reason in refused)
     if model.engine_names and not model.engines:
-        lines += ["# No throttle moves the thrust of its engines, whatever was tried to start them: it is flown as a glider."]
+        lines += [
+            "# No throttle moves the thrust of its engines, whatever was tried to start them: it is flown as a glider."
+        ]
     lines += _comments(f"{line[:1].upper()}{line[1:]}." for line in left_to_the_airframe(axes_of_model(model)))
     trim = model.trim
     power = f"throttle {trim['throttle']:.2f}" if model.engines else f"path {_deg(trim['theta'] - trim['alpha'])} deg"

@@ -157,8 +157,11 @@ def why_none(fdm: jsbsim.FGFDMExec) -> str:
     parts = []
     for name, surface in STANDARD.items():
         size, left, _, _ = _answer(fdm, surface.command, [])
-        parts.append(f"{name} {size:.2g} rad/s^2" + (f" ({left:.2g} of it stays when it is released)" if left else ""))
-    return f"what {STEPS['']:g} of JSBSim's standard commands moves: {', '.join(parts)}"
+        if not math.isfinite(size + left):
+            return f"{name} of {STEPS['']:g} makes the accelerations not a number"
+        stays = f", {left:.2g} after release" if size >= RESPONSE_MIN else ""
+        parts.append(f"{name} {size:.2g} rad/s^2{stays}")
+    return f"JSBSim's commands of {STEPS['']:g} do {', '.join(parts)}"
 
 
 def try_out(fdm: jsbsim.FGFDMExec, name: str, watched: list[str]) -> Tried | None:

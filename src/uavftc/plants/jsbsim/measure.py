@@ -111,8 +111,8 @@ def prepare(aircraft: Aircraft, altitude: float) -> Bench:
     if not surfaces:
         raise NoTrimError(
             f"aircraft {aircraft.name}, {aircraft.xml}",
-            found="no surface: no property that the flight controls read and nothing writes moves an angular "
-            f"acceleration for as long as it is set; {discover.why_none(fdm)}",
+            found="no steady flight: nothing that the flight controls read moves it for as long as it is set; "
+            f"{discover.why_none(fdm)}",
             expected="an aircraft whose surfaces can be commanded",
             remedy="name its surfaces in a companion file, key effectors (docs/new-aircraft.md); below flight controls "
             "that hold a rate of their own, whose integrators stand at their ends in a vehicle that is held",
