@@ -290,3 +290,25 @@ def test_nothing_is_printed(hale, capfd):
     jsbsim_plant(hale, has_moment=True)
     out, err = capfd.readouterr()
     assert out == err == ""
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "message"),
+    [
+        ("hale.xml", "<output>fcs/right-aileron-pos-rad</output>", "", "right_aileron: it moves nothing: 0 rad/s"),
+        (
+            "systems/hale_autothrottle.xml",
+            "<output>fcs/throttle-pos-norm[1]</output>",
+            "",
+            "right_motor: it moves no thrust",
+        ),
+    ],
+)
+def test_an_effector_that_the_companion_names_and_that_does_nothing_is_refused(edited, file, old, new, message):
+    # the other one of the pair would trim and fly the aircraft all the same
+    folder = edited(file, (old, new))
+    with pytest.raises(InputError) as error:
+        model.trimmed_model(load_aircraft(str(folder)), 30.0, 1000.0)
+    name, text = message.split(": ", 1)
+    assert error.value.where.endswith(f"key effectors.{name}")
+    assert error.value.found.startswith(text)

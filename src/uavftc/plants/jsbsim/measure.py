@@ -15,6 +15,7 @@ from uavftc.analysis.authority import RESPONSE_MIN, can_be_held
 from uavftc.core.signals import SURFACES
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import controls_xml, discover, engines
+from uavftc.plants.jsbsim.claims import check_effectors
 from uavftc.plants.jsbsim.engines import has
 from uavftc.plants.jsbsim.linearise import Linear, linearise
 from uavftc.plants.jsbsim.load import inertia, initialised, missing
@@ -125,6 +126,7 @@ def prepare(aircraft: Aircraft, altitude: float) -> Bench:
             expected="an aircraft whose forces and moments are finite",
             remedy="look for a division by zero, or a missing property, in the aerodynamics and the engines",
         )
+    check_effectors(aircraft, fdm, rig)
     if not can_be_held(rig.axes):
         _refuse_axes(aircraft, rig)
     return Bench(aircraft, altitude, rig, stall, powered, engines.count(fdm))
