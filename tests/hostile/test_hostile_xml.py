@@ -106,6 +106,7 @@ LEGAL = {
     ("child dropped", "pid/kp"): 1,
     ("child dropped", "pid/trigger"): 1,
     ("child dropped", "summer/input"): 3,
+    ("child dropped", "channel/summer"): 1,  # JSBSim then hands a throttle command on by itself
     ("child dropped", "summer/output"): 2,
     ("child dropped", "switch/test"): 2,
     ("child dropped", "system/channel"): 1,

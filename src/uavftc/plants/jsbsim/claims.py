@@ -26,8 +26,10 @@ def check_effectors(aircraft: Aircraft, fdm: jsbsim.FGFDMExec, rig: Rig) -> None
     if not aircraft.effectors:
         return
     full = np.max(np.abs(rig.B[3:]), axis=0) * np.max(np.abs(rig.ranges * rig.scale[:, None]), axis=1)
+    dead = {name for name, response in zip(rig.surfaces, full, strict=True) if not response >= RESPONSE_MIN}
     for name, response in zip(rig.surfaces, full, strict=True):
-        if not response >= RESPONSE_MIN:
+        others = [set(members) - dead for members in rig.gangs.values() if name in members]
+        if name in dead and (any(others) or not others):  # an axis of which nothing acts is refused for that
             raise _idle(aircraft, name, f"it moves nothing: {response:.2g} rad/s^2 at full command", "a surface")
     for name, throttle in aircraft.engines().items():
         pulls = []
