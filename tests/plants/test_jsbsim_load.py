@@ -19,7 +19,7 @@ from flying import bare, jsbsim_plant
 from uavftc.aircraft.definition import load_aircraft
 from uavftc.core.signals import as_records, empty_rows
 from uavftc.errors import InputError
-from uavftc.plants.jsbsim import model
+from uavftc.plants.jsbsim import measure, model
 from uavftc.plants.jsbsim.load import load
 
 
@@ -308,3 +308,11 @@ def test_an_engine_whose_throttle_moves_nothing_is_refused(edited):
         model.trimmed_model(load_aircraft(str(folder)), 30.0, 1000.0)
     assert error.value.where.endswith("key effectors.right_motor")
     assert error.value.found.startswith("it moves no thrust: ")
+
+
+def test_a_search_that_ran_out_of_time_is_no_answer_to_remember(hale, monkeypatch):
+    # a busy machine must not refuse an aircraft for good: only a `NoTrimError` is kept in the cache
+    monkeypatch.setattr(measure, "DEADLINE_S", 0.0)
+    with pytest.raises(InputError, match="no steady flight found within 0 s") as error:
+        measure.models_of(hale, (30.0,), 1000.0)
+    assert not isinstance(error.value, model.NoTrimError)

@@ -7,12 +7,11 @@ that flows with full mixture and pitch (a tank may be frozen empty-handed), then
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import jsbsim
 import numpy as np
 
-from uavftc.plants.jsbsim.units import FT_M, LBF_N, SLUG_KG
+from uavftc.plants.jsbsim.units import LBF_N, SLUG_KG
 
 FRAMES_S = (5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5)
 WAYS = ("running", "fuel", "starter")
@@ -21,13 +20,6 @@ LIVE = 2e-3  # thrust over weight, of all engines: below this none runs
 ALIKE = 0.01  # relative difference of thrust between one frame time and the next finer
 SPIN_S = 3.0
 STARTER_S = 8.0
-
-
-class Start(NamedTuple):
-    """How the engines of an aircraft are started."""
-
-    way: str = "running"
-    """One of `WAYS`."""
 
 
 def has(fdm: jsbsim.FGFDMExec, name: str) -> bool:
@@ -73,8 +65,3 @@ def weight(fdm: jsbsim.FGFDMExec) -> float:
 def pull(fdm: jsbsim.FGFDMExec) -> float:
     """Return the force of all engines along body x, N."""
     return float(fdm["forces/fbx-prop-lbs"] * LBF_N)
-
-
-def speed(fdm: jsbsim.FGFDMExec) -> float:
-    """Return the airspeed, m/s."""
-    return float(fdm["velocities/vt-fps"] * FT_M)

@@ -4,31 +4,30 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 
 import jsbsim
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
 from uavftc.aircraft.effectors import Measured, Surface
-from uavftc.analysis.authority import RESPONSE_MIN, can_be_held
+from uavftc.analysis.authority import can_be_held
 from uavftc.core.signals import SURFACES
-from uavftc.errors import InputError
 from uavftc.plants.jsbsim import controls_xml, discover, engines
 from uavftc.plants.jsbsim.claims import check_effectors
 from uavftc.plants.jsbsim.engines import has
 from uavftc.plants.jsbsim.linearise import Linear, linearise
 from uavftc.plants.jsbsim.load import inertia, initialised, missing
 from uavftc.plants.jsbsim.model import FRAME_S, NOMINAL_RAD, NoTrimError, TrimmedModel
-from uavftc.plants.jsbsim.rig import Rig, arrange, axes_of, axis_limits
+from uavftc.plants.jsbsim.refusals import gave_up, no_trim, too_few_axes
+from uavftc.plants.jsbsim.rig import Bench, Rig, arrange, axes_of, axis_limits
 from uavftc.plants.jsbsim.search import Nearest, Search
 from uavftc.plants.jsbsim.settle import WINDOW_S, run_for, set_from_below, settle
-from uavftc.plants.jsbsim.trim import Trim, configure, freeze, place, set_throttle, trim_jsbsim, trim_own
+from uavftc.plants.jsbsim.trim import Trim, configure, freeze, hold, place, set_throttle, trim_jsbsim, trim_own
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG
 
 MANY = 6  # surfaces
 BEYOND = 2  # airspeeds in a row without a trim, after one with: the top speed is passed
-DEADLINE_S = 20.0  # for all airspeeds of an aircraft together
+DEADLINE_S = 20.0  # in which a first trim must be found
 CL_MAX = 1.4  # of a wing without flaps, for the lowest airspeed that is tried
 SLOWEST, FASTEST = 1.25, 4.5  # airspeeds tried, in stall speeds
 TYPICAL = 1.6  # airspeed in stall speeds at which engines and surfaces are tried
@@ -36,19 +35,6 @@ RHO_SI = 515.378818  # kg/m^3 per slug/ft^3
 ENDS = {"rad": 1.5, "deg": 90.0}  # command at which a surface without a normalised command is taken to its stop
 PARTS = (0.05, 0.1, 0.95, 1.0)  # of it: the slope is taken from the first two, a stop is seen on the last two
 TRIAL_S = 0.3
-
-
-@dataclass
-class Bench:
-    """An aircraft with what is known of it before any trim."""
-
-    aircraft: Aircraft
-    altitude: float
-    rig: Rig
-    stall: float
-    """Of the wing loading, m/s."""
-    powered: bool
-    engines: int
 
 
 def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) -> list[TrimmedModel]:
@@ -85,8 +71,10 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
             nearest.append(trim)
         if beyond == BEYOND:
             break
+    if not found and time.monotonic() > deadline:
+        raise gave_up(bench, speeds, DEADLINE_S)
     if not found:
-        raise _no_trim(bench, speeds, min(nearest, key=lambda n: n.error, default=None))
+        raise no_trim(bench, speeds, min(nearest, key=lambda n: n.error, default=None))
     return found
 
 
@@ -128,7 +116,7 @@ def prepare(aircraft: Aircraft, altitude: float) -> Bench:
         )
     check_effectors(aircraft, fdm, rig)
     if not can_be_held(rig.axes):
-        _refuse_axes(aircraft, rig)
+        raise too_few_axes(aircraft, rig)
     return Bench(aircraft, altitude, rig, stall, powered, engines.count(fdm))
 
 
@@ -256,18 +244,6 @@ def _ends(fdm: jsbsim.FGFDMExec, surface: Surface, known: str | None, unit: str)
     return min(found), max(found)
 
 
-def _refuse_axes(aircraft: Aircraft, rig: Rig) -> None:
-    B = rig.B[3:] @ rig.mixing
-    missing = [SURFACES[i] for i in range(3) if not rig.axes[i]]
-    numbers = ", ".join(f"{SURFACES[i]} {abs(B[i, i]):.2g} rad/s^2 per rad" for i in range(3) if not rig.axes[i])
-    raise NoTrimError(
-        f"aircraft {aircraft.name}",
-        found=f"no {' and no '.join(missing)}: nothing acts about that axis by {RESPONSE_MIN:g} rad/s^2 ({numbers})",
-        expected="surfaces about pitch and about roll or yaw",
-        remedy="name the surfaces in a companion file, key effectors, if it has others (docs/new-aircraft.md)",
-    )
-
-
 def trim_at(bench: Bench, speed: float, deadline: float) -> tuple[Trim | Nearest | None, jsbsim.FGFDMExec]:
     """Return the trim at an airspeed, m/s, or the nearest thing to one, and the FDM, frozen."""
     aircraft, rig, altitude = bench.aircraft, bench.rig, bench.altitude
@@ -289,12 +265,7 @@ def trim_at(bench: Bench, speed: float, deadline: float) -> tuple[Trim | Nearest
 def model_at(bench: Bench, trim: Trim, fdm: jsbsim.FGFDMExec) -> TrimmedModel:
     """Return the model at a trim; the FDM is one that has been trimmed or is fresh."""
     rig, aircraft = bench.rig, bench.aircraft
-    freeze(fdm)
-    place(
-        fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi,
-        beta=trim.beta,
-    )  # fmt: skip
-    configure(fdm, trim.way)
+    hold(fdm, trim)
     linear = linearise(fdm, rig, trim)
     found = [_measured(aircraft, name, j, rig, trim, linear) for j, name in enumerate(rig.surfaces)]
     limits, reach = np.array([m.limits_rad for m in found]), _reach(found)
@@ -372,27 +343,3 @@ def _reach(found: list[Measured]) -> np.ndarray:
                 for r, end in zip(m.full_response, m.commands, strict=True)]  # fmt: skip
         ends.append(sorted(pair))
     return np.array(ends)
-
-
-def _no_trim(bench: Bench, speeds: tuple[float, ...], nearest: Nearest | None) -> InputError:
-    aircraft, span = bench.aircraft, f"{speeds[0]:.4g}" if len(speeds) == 1 else f"{speeds[0]:.4g} to {speeds[-1]:.4g}"
-    default = aircraft.initial
-    remedy = "choose another initial.airspeed_mps or initial.altitude_m"
-    if default:
-        remedy += f" (the aircraft's default: {default.airspeed_mps:g} m/s, {default.altitude_m:g} m)"
-    found = "no steady flight: nothing finite was found"
-    if nearest is not None:
-        found = f"no steady flight; {nearest.words()}"
-        if "the throttle" in nearest.at and nearest.trim.throttle > 0.5 and nearest.trim.residual[0] < 0.0:
-            found += " (thrust is lacking)"
-    if engines_dead := (bench.engines > 0 and not bench.powered):
-        found += "; no throttle moves the thrust of its engines, whatever was tried to start them"
-        remedy = "correct its engines, or name what starts them in the XML; " + remedy
-    if bench.rig.frame_s < FRAME_S and not engines_dead:
-        found += f"; its propellers need frames of {bench.rig.frame_s * 1e3:g} ms"
-    return NoTrimError(
-        f"aircraft {aircraft.name}, trim at {span} m/s and {bench.altitude:g} m",
-        found=found,
-        expected="a condition in which surfaces and throttle within their limits bring all accelerations to zero",
-        remedy=remedy,
-    )

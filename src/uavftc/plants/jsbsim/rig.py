@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from uavftc.aircraft.definition import Aircraft
 from uavftc.aircraft.effectors import Surface, mixing_of
 from uavftc.analysis.authority import COUPLING_MAX, RESPONSE_MIN
 from uavftc.core.signals import SURFACES
@@ -61,9 +62,18 @@ class Rig(NamedTuple):
         """Return the backlash by command property."""
         return {s.command: float(b) for s, b in zip(self.surfaces.values(), self.backlash, strict=True)}
 
-    def axis_limits(self, limits: np.ndarray) -> np.ndarray:
-        """Return least and greatest command of each axis, (3, 2), rad, from those of the surfaces, (n, 2), rad."""
-        return axis_limits(limits, self.mixing)
+
+class Bench(NamedTuple):
+    """An aircraft with what is known of it before any trim."""
+
+    aircraft: Aircraft
+    altitude: float
+    rig: Rig
+    stall: float
+    """Of the wing loading, m/s."""
+    powered: bool
+    """Whether a throttle moves the thrust."""
+    engines: int
 
 
 def axis_limits(limits: np.ndarray, mixing: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ import jsbsim
 import numpy as np
 
 from uavftc.plants.jsbsim import engines
-from uavftc.plants.jsbsim.rig import Rig
+from uavftc.plants.jsbsim.rig import Rig, axis_limits
 from uavftc.plants.jsbsim.settle import set_from_below, settle
 from uavftc.plants.jsbsim.trim import JSBSIM_TOLERANCE, Trim, configure, freeze, of_rig, place, set_throttle
 
@@ -64,7 +64,7 @@ class Search:
 
     def __init__(self, fdm: jsbsim.FGFDMExec, rig: Rig, airspeed: float, altitude: float, *, glides: bool) -> None:
         self.fdm, self.rig, self.airspeed, self.altitude, self.glides = fdm, rig, airspeed, altitude, glides
-        limits = rig.axis_limits(np.sort(rig.ranges * rig.scale[:, None], axis=1))
+        limits = axis_limits(np.sort(rig.ranges * rig.scale[:, None], axis=1), rig.mixing)
         bounds = np.array([*LEVEL, *limits])
         self.step, self.most = STEP.copy(), MOST.copy()
         if glides:

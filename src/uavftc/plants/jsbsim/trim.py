@@ -121,6 +121,16 @@ def configure(fdm: jsbsim.FGFDMExec, way: str = "running") -> None:
     engines.start(fdm, way)
 
 
+def hold(fdm: jsbsim.FGFDMExec, trim: Trim) -> None:
+    """Freeze the vehicle in the state of a trim, engines running."""
+    freeze(fdm)
+    place(
+        fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi,
+        beta=trim.beta,
+    )  # fmt: skip
+    configure(fdm, trim.way)
+
+
 def command(fdm: jsbsim.FGFDMExec, trim: Trim) -> None:
     """Set all commands of a trim, a surface with backlash from below."""
     for name, value in zip(TRIM_COMMANDS, trim.trim_commands, strict=True):
@@ -225,12 +235,7 @@ def start(
     engines come to speed, and all models have seen the wind before anything moves. Every flight starts so, from a
     fresh FDM, whether its trim was solved just now or before: flights are identical to the bit.
     """
-    freeze(fdm)
-    place(
-        fdm, airspeed=trim.airspeed, altitude=trim.altitude, alpha=trim.alpha, theta=trim.theta, phi=trim.phi,
-        beta=trim.beta,
-    )  # fmt: skip
-    configure(fdm, trim.way)
+    hold(fdm, trim)
     command(fdm, trim)
     if np.any(wind_n):
         names = ("ic/vn-fps", "ic/ve-fps", "ic/vd-fps")
