@@ -137,7 +137,10 @@ def control(history: History, context: FigureContext) -> Figure:
     if len(others) % 2:
         axes[-1, 1].set_visible(False)
         axes[-2, 1].tick_params(labelbottom=True)
-    panels.legends(axes)
+    if others:  # both columns have the same curves below
+        panels.legend(fig, axes, 4)
+    else:
+        panels.legends(axes)
     return fig
 
 

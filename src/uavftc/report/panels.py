@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -74,11 +74,7 @@ def legends(axes: np.ndarray, columns: int | None = None) -> None:
     `columns` of entries are two by default, and one where the axes are narrow.
     """
     for column in axes.T:
-        entries: dict[str, Artist] = {}
-        for ax in column:
-            for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-                entries.setdefault(label, handle)
-        if entries:
+        if entries := _entries(column):
             column[-1].legend(
                 list(entries.values()),
                 list(entries),
@@ -86,6 +82,21 @@ def legends(axes: np.ndarray, columns: int | None = None) -> None:
                 bbox_to_anchor=(0.5, -0.24),
                 ncols=columns or (2 if axes.shape[1] < 3 else 1),
             )
+
+
+def legend(fig: Figure, axes: np.ndarray, columns: int) -> None:
+    """Put beneath the figure one legend of all curves of `axes`, each label once, in so many columns."""
+    entries = _entries(axes.ravel())
+    fig.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=columns)
+
+
+def _entries(axes: Iterable[Axes]) -> dict[str, Artist]:
+    """Return what is drawn in `axes`, by its label."""
+    entries: dict[str, Artist] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    return entries
 
 
 def curve(ax: Axes, t: np.ndarray, y: np.ndarray, **look: Any) -> np.ndarray:
