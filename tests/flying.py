@@ -75,7 +75,7 @@ def given_of(timing: Timing, steps: int, stops_rad: np.ndarray | None = None, la
 
 def bare(plant: Plant) -> Program:
     """Return the program of a plant without a controller: what the rows hold flies it."""
-    return Program(plant.before(), plant.after(), substeps=plant.program_substeps)
+    return Program([*plant.before(), *plant.given()], plant.after(), substeps=plant.program_substeps)
 
 
 def deflected(n: int, u2: Any, layout: Layout | None = None) -> np.ndarray:

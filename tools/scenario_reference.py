@@ -122,7 +122,7 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "inner": lambda: table(*(law.Config for law in LOOPS["inner"].KINDS), kinds=True),
     "rbf": lambda: table(Rbf),
     "limits": lambda: table(Limits),
-    "faults": lambda: table(*configs(CHAIN, "ENTRY_OF", "faults"), kinds=len(schema.FAULTS) > 1),
+    "faults": lambda: table(*schema.FAULTS, kinds=len(schema.FAULTS) > 1),
     "chain": chain,
     "disturbances": disturbances,
     "sensors": lambda: table(*configs(sensors.CHAIN, "KEYS_IN", "sensors")),

@@ -13,6 +13,7 @@ from uavftc.core.signals import (
     EFFECTOR,
     ROW,
     ROW_WIDTH,
+    Shape,
     as_records,
     attitude_error,
     column,
@@ -43,7 +44,7 @@ def test_a_row_ends_with_one_record_for_each_effector(effectors):
     # the head is the same in every flight, so a law that knows it flies every aircraft
     rows = empty_rows(5, effectors)
     assert rows.shape == (5, ROW_WIDTH + effectors * len(EFFECTOR.names))
-    assert row_type(effectors).itemsize == 8 * rows.shape[1]
+    assert row_type(Shape(effectors)).itemsize == 8 * rows.shape[1]
     rows[:] = np.arange(rows.size).reshape(rows.shape)
     records = as_records(rows)
     assert records["effectors"].shape == (5, effectors)

@@ -76,7 +76,7 @@ def jsbsims_gust(start, ramp, hold, velocity, seconds):
         fdm[f"atmosphere/cosine-gust/{name}"] = value
     n = round(seconds * 200)
     rows = empty_rows(n, 4)
-    program = Program([*plant.before(), *plant.after()])
+    program = Program([*plant.before(), *plant.given(), *plant.after()])
     wind = np.empty((n, 3))
     for k in range(n):
         if k == round(start * 200):
@@ -108,7 +108,7 @@ def test_flies_like_jsbsims_cosine_gust():
     rows = empty_rows(len(theirs), 4)
     t = np.arange(len(rows)) / 200.0
     as_records(rows)["wind_n"] = one_minus_cosine(t, start=START, ramp=RAMP, hold=HOLD)[:, None] * VELOCITY
-    plant.run(Program([*plant.before(), *plant.after()]), rows, 0, len(rows))
+    plant.run(Program([*plant.before(), *plant.given(), *plant.after()]), rows, 0, len(rows))
     ours = as_records(rows)
     frame = 0.005 * np.pi / (2 * RAMP)  # part of the peak that the profile moves in a frame
     for field, size in (("airspeed", 5.0), ("beta", 5.0 / 30.0), ("x1", 0.3)):

@@ -96,7 +96,7 @@ def test_the_commands_of_a_flight_replayed_are_the_flight():
     for name in ("t", "d2", "wind_n"):
         again[name] = rows[name]
     again["effectors"]["deflection"] = rows["effectors"]["deflection"]
-    plant.run(Program(plant.before(), plant.after()), given, 0, len(rows))
+    plant.run(Program([*plant.before(), *plant.given()], plant.after()), given, 0, len(rows))
     for name in ("x1", "x2", "airspeed", "alpha", "beta", "throttle"):
         np.testing.assert_array_equal(again[name], rows[name])
 

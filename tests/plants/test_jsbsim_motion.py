@@ -158,7 +158,7 @@ def frames_flown(hale, commands, *, delay_s, substeps, h=0.01):
     actuators = delay.blocks(delay.Config(delay_s=delay_s), given)
     rows = empty_rows(len(commands), 4)
     as_records(rows)["v2"] = commands
-    program = Program(plant.before(), [allocate, *actuators, gather, *plant.after()])
+    program = Program([*plant.before(), *plant.given()], [allocate, *actuators, gather, *plant.after()])
     plant.run(program, rows, 0, len(rows))
     seen = np.array(recorder.seen) - plant.trim.surfaces
     np.testing.assert_array_equal(seen[:, 1], -seen[:, 0])  # the two ailerons

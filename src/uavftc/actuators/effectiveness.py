@@ -12,7 +12,8 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from uavftc.config.values import ZERO, AtLeast, Signal, SurfaceName, Window
+from uavftc.actuators.fault import SurfaceFault
+from uavftc.config.values import ZERO, AtLeast, Signal
 from uavftc.core.given import Given
 from uavftc.core.layout import Targets
 from uavftc.core.stage import NOTHING, Block, Stage, law
@@ -25,7 +26,7 @@ STATE = NOTHING
 Effectiveness = Annotated[Signal, AtLeast(0.0, "an effectiveness >= 0", "0 is a surface without effect")]
 
 
-class Config(Window):
+class Config(SurfaceFault):
     """A surface at `effectiveness` times its limited command, plus `bias_deg`, on [start_s, end_s)."""
 
     remedies: ClassVar[dict[str, str]] = dict.fromkeys(
@@ -36,8 +37,6 @@ class Config(Window):
 
     kind: Annotated[Literal["effectiveness"], Field(exclude=True)] = "effectiveness"
     """`effectiveness`, where it is left out"""
-    surface: SurfaceName
-    """`aileron`, `elevator`, `rudder`, or an effector of the aircraft such as `left_aileron`"""
     effectiveness: Effectiveness = Signal(1.0)
     """signal, finite and >= 0 at every sample of the window; over 1 is flown as written, with a warning"""
     bias_deg: Signal = ZERO

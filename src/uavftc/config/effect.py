@@ -14,6 +14,9 @@ and it takes part because its module is listed in the tuple of its chain. Its pl
     SECTION = "saturation"       `Config` is a section, which may be null
     KEYS_IN = "sensors"          the keys of `Config` are in this section, next to those of other effects
     ENTRY_OF = "faults"          `Config` is one kind of entry in this list
+
+    FAULT         next to any of these: a kind of entry in `faults` that changes a parameter of the effect for a time;
+                  its law finds such entries by `given.faults_of(FAULT)`
 """
 
 from __future__ import annotations
@@ -32,6 +35,17 @@ Effect = ModuleType
 def configs(effects: Sequence[Effect], place: str, name: str) -> list[type[BaseModel]]:
     """Return the `Config` of each effect whose `place` (SECTION, KEYS_IN, ENTRY_OF) is `name`, in their order."""
     return [effect.Config for effect in effects if getattr(effect, place, None) == name]
+
+
+def faults(effects: Sequence[Effect]) -> list[tuple[Effect, type[BaseModel]]]:
+    """Return the kinds of entry in `faults`, each with its effect, in the order of the chain."""
+    found = []
+    for effect in effects:
+        if getattr(effect, "ENTRY_OF", None) == "faults":
+            found.append((effect, effect.Config))
+        if hasattr(effect, "FAULT"):
+            found.append((effect, effect.FAULT))
+    return found
 
 
 def section(name: str, effects: Sequence[Effect], doc: str, module: str) -> Any:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from uavftc.core.signals import ROW
 from uavftc.core.stage import Block, PythonBlock
 
-PRESCRIBED = frozenset(["t", "x1_c", "effectiveness", "bias", "d1", "d2", "wind_n"])
+PRESCRIBED = frozenset(["t", "x1_c", "effectiveness", "bias", "d1", "d2", "wind_n", "gust_rates"])
 """Fields that the scenario gives, filled in before a row is flown."""
 
 DEFAULT = frozenset(["d1_hat", "status"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,11 +54,19 @@ class Given(NamedTuple):
     """Deflection of each effector at trim, shape (n,), rad; None is 0."""
     read: np.ndarray | None = None
     """Whether the plant reads the position of each effector, shape (n,); None of none."""
+    sense: np.ndarray | None = None
+    """Of an angle as the aircraft counts it, per deflection of each effector, shape (n,): 1 or -1; None is 1."""
+    faults: tuple[Any, ...] = ()
+    """Entries of the scenario's `faults`, of every kind."""
 
     @property
     def targets(self) -> Targets:
         """What a fault or a limit may name."""
         return targets_of(self.effectors, self.gangs)
+
+    def faults_of(self, kind: type) -> list[tuple[int, Any]]:
+        """Return the faults of one kind, each with its place in the scenario's list."""
+        return [(i, fault) for i, fault in enumerate(self.faults) if isinstance(fault, kind)]
 
     @property
     def axes(self) -> Controlled:

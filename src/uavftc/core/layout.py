@@ -32,6 +32,10 @@ class Layout(NamedTuple):
     """Of the position that the aircraft reports, per deflection, shape (n,); 0 where it reports none."""
     read: np.ndarray = np.zeros(3, dtype=bool)
     """Whether the plant reads the position in flight; else it is trim + deflection, shape (n,)."""
+    sense: np.ndarray = np.ones(3)
+    """Of an angle as the aircraft counts it, per deflection, shape (n,): 1 or -1, on every plant."""
+    engines: tuple[str, ...] = ()
+    """Names of the engines, in their order in a row."""
 
     @property
     def targets(self) -> Targets:

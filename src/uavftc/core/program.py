@@ -267,8 +267,9 @@ def run_in_python(block: Block, row: np.ndarray) -> None:
     if not block.stage.on_effector:
         step(params[0], block.state if block.stage.state == RAW else state[0], signals)
         return
-    effectors = _records(row[ROW_WIDTH:].view(EFFECTOR))
-    for i in range(max(len(params), len(state))):
+    n = max(len(params), len(state))
+    effectors = _records(row[ROW_WIDTH : ROW_WIDTH + n * EFFECTOR_BYTES // 8].view(EFFECTOR))
+    for i in range(n):
         step(params[i if len(params) > 1 else 0], state[i if len(state) > 1 else 0], effectors[i], signals)
 
 

@@ -28,6 +28,7 @@ ROW = np.dtype(
         ("d1", "f8", _VEC),  # disturbance of eq. (7) on the attitude rates, rad/s
         ("d2", "f8", _VEC),  # disturbance of eq. (7) on the angular accelerations, rad/s^2
         ("wind_n", "f8", _VEC),  # velocity of the air, north-east-down, m/s
+        ("gust_rates", "f8", _VEC),  # rotation of the air [p_g, q_g, r_g], body axes, rad/s
         # the vehicle as it is
         ("x1", "f8", _VEC),  # attitude [phi, theta, psi], rad; psi continuous, not wrapped
         ("x2", "f8", _VEC),  # body rates [p, q, r], rad/s
@@ -38,6 +39,10 @@ ROW = np.dtype(
         ("throttle", "f8"),  # 0..1
         ("contact", "f8"),  # force of the ground on the vehicle, body z, N
         ("height", "f8"),  # m above the ground
+        ("north", "f8"),  # m from the start
+        ("east", "f8"),  # m from the start
+        ("qbar", "f8"),  # dynamic pressure, Pa
+        ("load_factor", "f8", _VEC),  # specific force over standard gravity, body axes; z is -1 in level flight
         # the vehicle as the controller sees it
         ("x1_meas", "f8", _VEC),  # rad
         ("x2_meas", "f8", _VEC),  # rad/s
@@ -62,12 +67,39 @@ EFFECTOR = np.dtype(
         ("position", "f8"),  # deflection with that of the trim, rad: what its command at t_k brings about
     ]
 )
-"""One effector at one sample. A row ends with as many of these as the aircraft has effectors."""
+"""One effector at one sample. Behind its head a row has as many of these as the aircraft has effectors."""
+
+ENGINE = np.dtype(
+    [
+        ("throttle", "f8"),  # 0..1, as it stands
+        ("thrust", "f8"),  # N
+    ]
+)
+"""One engine at one sample."""
 
 
-def row_type(effectors: int = len(SURFACES)) -> np.dtype:
-    """Return the layout of a whole row: the fields of `ROW`, then `effectors`, an array of `EFFECTOR`."""
-    return np.dtype([*((name, *_described(ROW, name)) for name in ROW.names or ()), ("effectors", EFFECTOR, effectors)])
+class Shape(NamedTuple):
+    """What a row has behind its head."""
+
+    effectors: int = len(SURFACES)
+    engines: int = 0
+    signals: int = 0
+    """Numbers of a custom controller's own."""
+
+    @property
+    def width(self) -> int:
+        """Numbers in a row."""
+        return (ROW.itemsize + self.effectors * EFFECTOR.itemsize + self.engines * ENGINE.itemsize) // 8 + self.signals
+
+
+def row_type(shape: Shape = Shape()) -> np.dtype:  # noqa: B008 - immutable
+    """Return the layout of a whole row: the fields of `ROW`, then `effectors`, `engines` and `signals`."""
+    behind = [
+        ("effectors", EFFECTOR, (shape.effectors,)),
+        ("engines", ENGINE, (shape.engines,)),
+        ("signals", np.dtype("f8"), (shape.signals,)),
+    ]
+    return np.dtype([*((name, *_described(ROW, name)) for name in ROW.names or ()), *behind])
 
 
 def _described(dtype: np.dtype, name: str) -> tuple[np.dtype, tuple[int, ...]]:
@@ -118,15 +150,19 @@ COLUMNS: tuple[Column, ...] = (
 """Columns of every `history.parquet`, in order; those of the effectors of an aircraft follow (`layout.py`)."""
 
 
-def empty_rows(n: int, effectors: int = len(SURFACES)) -> np.ndarray:
-    """Return `n` zeroed rows of a flight with so many effectors, shape (n, width), C-contiguous float64."""
-    return np.zeros((n, row_type(effectors).itemsize // 8))
+def empty_rows(n: int, shape: Shape | int = Shape()) -> np.ndarray:  # noqa: B008 - immutable
+    """Return `n` zeroed rows of a shape, or of so many effectors, shape (n, width), C-contiguous float64."""
+    return np.zeros((n, (shape if isinstance(shape, Shape) else Shape(shape)).width))
 
 
-def as_records(rows: np.ndarray) -> np.ndarray:
-    """Return the same memory as a structured array, shape (n,), its fields those of `row_type`."""
-    effectors = (rows.shape[1] - ROW_WIDTH) * 8 // EFFECTOR.itemsize
-    return rows.view(row_type(effectors))[:, 0]
+def as_records(rows: np.ndarray, shape: Shape | None = None) -> np.ndarray:
+    """Return the same memory as a structured array, shape (n,), its fields those of `row_type`.
+
+    Without a shape, the rows have nothing behind their effectors.
+    """
+    if shape is None:
+        shape = Shape((rows.shape[1] - ROW_WIDTH) * 8 // EFFECTOR.itemsize)
+    return rows.view(row_type(shape))[:, 0]
 
 
 def heading_near_reference(records: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uavftc import actuators, sensors
+from uavftc import actuators, environment, sensors
 from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.aircraft.definition import Aircraft, load_aircraft
 from uavftc.config.effect import Effect, config_of
@@ -22,7 +22,7 @@ from uavftc.core.flow import check_flow
 from uavftc.core.given import ControlDesign, Given
 from uavftc.core.layout import Layout, targets_of
 from uavftc.core.program import Program
-from uavftc.core.signals import Column
+from uavftc.core.signals import Column, Shape
 from uavftc.core.stage import Block, PythonBlock, params_of
 from uavftc.flight import envelope
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
@@ -63,6 +63,11 @@ class Flight:
         """Columns of its history."""
         return self.layout.columns
 
+    @property
+    def shape(self) -> Shape:
+        """What its rows have behind their head."""
+        return Shape(len(self.layout.names), len(self.layout.engines))
+
 
 def build_flight(scenario: Scenario) -> Flight:
     """Return a flight ready to be flown.
@@ -95,10 +100,12 @@ def build_flight(scenario: Scenario) -> Flight:
     )
     sample = [
         *plant.before(),
+        *chain_blocks([kind for kind in environment.KINDS if hasattr(kind, "blocks")], scenario, given),
         *chain_blocks(sensors.CHAIN, scenario, given),
         *controller_blocks(scenario, given),
         *uncontrolled.blocks(given),
         envelope.stage.block(watch),
+        *plant.given(),
     ]
     allocate, gather = allocation.blocks(given)
     plant_step = [allocate, *chain_blocks(actuators.CHAIN, scenario, given), gather, *plant.after()]
@@ -145,6 +152,8 @@ def given_of(
         gangs=layout.gangs,
         trim_rad=layout.trim_rad,
         read=layout.read,
+        sense=layout.sense,
+        faults=tuple(scenario.faults),
     )
 
 

@@ -96,8 +96,8 @@ def _fly(
     while done < total and lost is None and not stopped:
         n = min(CHUNK_ROWS, total - done)
         # fresh for each chunk, so that a recorder may keep it without a copy
-        rows = empty_rows(n, len(flight.given.effectors))
-        records = as_records(rows)
+        rows = empty_rows(n, flight.shape)
+        records = as_records(rows, flight.shape)
         flight.inputs.fill(records, done)
         flown = 0
         started = time.perf_counter()

@@ -28,6 +28,7 @@ def layout_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None
         trim_rad=np.array([e.trim_rad for e in effectors]),
         position_sign=np.array(sign),
         read=np.array([flown and not e.ideal and e.position is not None for e in effectors]),
+        sense=np.array([math.copysign(1.0, e.position_rad) if e.position is not None else 1.0 for e in effectors]),
     )
 
 
@@ -36,7 +37,7 @@ def claimed_layout(aircraft: Aircraft) -> Layout:
     names = tuple(aircraft.named_effectors())
     gangs = aircraft.gangs or {name: {name: 1.0} for name in names if name in SURFACES}
     nothing = np.zeros(len(names))
-    return Layout(names, mixing_of(names, gangs), gangs, nothing, nothing, nothing.astype(bool))
+    return Layout(names, mixing_of(names, gangs), gangs, nothing, nothing, nothing.astype(bool), nothing + 1.0)
 
 
 def claimed_stops(aircraft: Aircraft) -> np.ndarray:

@@ -104,14 +104,14 @@ def replay(flight: Flight, tape: Tape, rows: int, finer: int, stop: Callable[[],
     timing = Timing(flight.given.h, finer * round(flight.given.h / flight.given.plant_step))
     plant: Any = make_plant(flight.scenario, flight.aircraft, flight.model, timing, flight.inputs)
     watch = envelope.stage.block(nearer(flight))
-    program = Program([*plant.before(), watch], plant.after(), substeps=plant.program_substeps)
+    program = Program([*plant.before(), watch, *plant.given()], plant.after(), substeps=plant.program_substeps)
     recorded = {name: tape[name][:rows] for name in ("t", "d2", "wind_n", "deflection")}
     for first in range(0, rows + 1, SLICE_ROWS):
         if stop is not None and stop():
             return None
         n = min(SLICE_ROWS, rows + 1 - first)
-        given = empty_rows(n, len(flight.given.effectors))
-        records = as_records(given)
+        given = empty_rows(n, flight.shape)
+        records = as_records(given, flight.shape)
         for name in ("t", "d2", "wind_n"):
             part = recorded[name][first : first + n]
             records[name][: len(part)] = part

@@ -69,6 +69,11 @@ def observe(p, s, row):
     row.beta = np.nan
     row.throttle = np.nan
     row.contact = 0.0
+    row.north = np.nan
+    row.east = np.nan
+    row.qbar = np.nan
+    for i in range(3):
+        row.load_factor[i] = np.nan
 
 
 @law
@@ -86,7 +91,10 @@ def step(p, s, row):
         s.x2[i] = x2[i] + dt / 6.0 * (a2[i] + 2.0 * b2[i] + 2.0 * c2[i] + e2[i])
 
 
-VEHICLE = ["x1", "x2", "wind_n", "airspeed", "altitude", "height", "alpha", "beta", "throttle", "contact"]
+VEHICLE = [
+    "x1", "x2", "wind_n", "airspeed", "altitude", "height", "alpha", "beta", "throttle", "contact", "north", "east",
+    "qbar", "load_factor",
+]  # fmt: skip
 """What a plant writes of the vehicle as it is."""
 
 observe_stage = Stage(observe, NOTHING, STATE, reads=[], writes=VEHICLE)
@@ -138,6 +146,10 @@ class AnalyticPlant:
     def before(self) -> list[Block]:
         """Return the block that writes the state into the row."""
         return [observe_stage.block(state=self._state, name="observe")]
+
+    def given(self) -> list[Block]:
+        """Return nothing: the model reads what it is given from the row."""
+        return []
 
     def after(self) -> list[Block]:
         """Return the block that integrates over a plant step."""

@@ -42,6 +42,9 @@ class Plant(Protocol):
     def before(self) -> list[Block]:
         """Return the blocks that run at the start of a row, before the controller."""
 
+    def given(self) -> list[Block]:
+        """Return the blocks that run at the end of a row's sample: what the plant is given once a row."""
+
     def after(self) -> list[Block]:
         """Return the blocks that run at each plant step, after the actuators."""
 

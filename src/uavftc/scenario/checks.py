@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from uavftc.actuators import CHAIN
+from uavftc.config.effect import faults
 from uavftc.config.values import AtLeast, Problem, Signal, Window, key_text, window_of
 from uavftc.environment import KINDS
 from uavftc.scenario.controllers import LOOPS, Controller
@@ -57,11 +58,9 @@ def warnings(scenario: Scenario) -> list[str]:
 
 def _entries(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Any, Any]]:
     """Yield the key, the effect and the entry of each fault and disturbance, in the order of the file."""
-    for section, effects in (("faults", CHAIN), ("disturbances", KINDS)):
+    for section, kinds in (("faults", faults(CHAIN)), ("disturbances", [(kind, kind.Config) for kind in KINDS])):
         for i, entry in enumerate(getattr(scenario, section)):
-            for effect in effects:
-                if getattr(effect, "ENTRY_OF", None) == section and isinstance(entry, effect.Config):
-                    yield (section, i), effect, entry
+            yield from (((section, i), effect, entry) for effect, config in kinds if isinstance(entry, config))
 
 
 def _sampling(scenario: Scenario) -> list[Problem]:

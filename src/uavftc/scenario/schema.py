@@ -21,10 +21,10 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from uavftc.actuators import CHAIN
+from uavftc.actuators import CHAIN, effectiveness
 from uavftc.actuators.saturation import limits_rad
 from uavftc.config.document import Origin
-from uavftc.config.effect import configs, default_kind, section
+from uavftc.config.effect import configs, default_kind, faults, section
 from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Whole, refusal
 from uavftc.environment import KINDS
 from uavftc.scenario.checks import MAX_SUBSTEPS, problems
@@ -85,12 +85,13 @@ class Simulation(Model):
     at least 5 us, and a delay at most 10 million"""
 
 
-FAULTS = configs(CHAIN, "ENTRY_OF", "faults")
+FAULTS = [kind for _, kind in faults(CHAIN)]
+"""The kinds of entry in `faults`."""
 
 
 def _kind(entry: Any) -> str:
-    """Return the kind of a fault's entry; without one it is the first of the chain's, that of the paper."""
-    default = default_kind(FAULTS[0])
+    """Return the kind of a fault's entry; without one it is that of the paper, eq. (6)."""
+    default = default_kind(effectiveness.Config)
     return str(entry.get("kind", default) if isinstance(entry, dict) else getattr(entry, "kind", default))
 
 

@@ -182,9 +182,13 @@ class JSBSimPlant:
         self._write_surfaces = writer(self._out, surfaces)
 
     def before(self) -> list[Block]:
-        """Return the blocks that convert what was read, and prepare what is written once a sample."""
+        """Return the blocks that convert what was read, and hold the airspeed."""
         located = [self._locate] if self._followed.any else []
-        return [self._observe, *located, self._hold, *([self._push] if self._pushes else [])]
+        return [self._observe, *located, self._hold]
+
+    def given(self) -> list[Block]:
+        """Return the block that prepares what is written once a sample: the moment and the wind."""
+        return [self._push] if self._pushes else []
 
     def after(self) -> list[Block]:
         """Return the block that prepares what is written at each frame."""

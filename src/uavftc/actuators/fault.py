@@ -1,0 +1,62 @@
+"""What all faults share: when they act, whether the controller is told, and on what they act.
+
+A severe fault works on the total deflection: the angle of the surface as the aircraft counts it, trim included. An
+effector is counted as its position is; a gang of several as its axis is, each member by its weight.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uavftc.config.values import NonNegative, SurfaceName, Window
+from uavftc.core.given import Given
+
+
+class Fault(Window):
+    """A fault on [start_s, end_s), of which the controller is told nothing unless it says so."""
+
+    known: bool = False
+    """whether the controller is told of it"""
+    known_after_s: NonNegative = 0.0
+    """how long after its beginning, where it is told: the time of a detection; it knows of the end as late"""
+
+
+class SurfaceFault(Fault):
+    """A fault of a surface, or of a gang of them."""
+
+    surface: SurfaceName
+    """`aileron`, `elevator`, `rudder`, or an effector of the aircraft such as `left_aileron`"""
+
+
+class Struck(NamedTuple):
+    """The effectors of a flight as one fault sees them; n of them, in their order in a row."""
+
+    start: np.ndarray
+    """Beginning, s, shape (n,); infinite for those that it does not act on."""
+    end: np.ndarray
+    """End, s, shape (n,); infinite till the end of the flight."""
+    scale: np.ndarray
+    """Deflection, as the laws count it, per angle of the fault, shape (n,)."""
+    sense: np.ndarray
+    """Deflection, as the laws count it, per angle as the aircraft counts it, shape (n,): 1 or -1."""
+    trim: np.ndarray
+    """Deflection at trim, rad, shape (n,): the total deflection is this and `e.deflection`."""
+
+
+def struck(entry: Any, given: Given) -> Struck:
+    """Return whom a fault with a `surface` and a window acts on, and how its angles count there."""
+    n = len(given.effectors)
+    members = given.targets[entry.surface]
+    hit = np.array([j in members for j in range(n)])
+    sense = np.ones(n) if given.sense is None else np.asarray(given.sense, dtype=float)
+    weight = np.array([members.get(j, 0.0) for j in range(n)])
+    alone = entry.surface in given.effectors and len(members) == 1
+    return Struck(
+        start=np.where(hit, entry.start_s, np.inf),
+        end=np.full(n, np.inf if entry.end_s is None else entry.end_s),
+        scale=np.where(hit, sense, 0.0) if alone else weight,
+        sense=sense,
+        trim=np.zeros(n) if given.trim_rad is None else np.asarray(given.trim_rad, dtype=float),
+    )
