@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -86,6 +86,27 @@ def table(*models: type[BaseModel], kinds: bool = False, without: tuple[str, ...
     return lines
 
 
+def by_kind(models: Sequence[type[BaseModel]]) -> list[str]:
+    """Return the table of the kinds of an entry: the keys of all first, then each kind with those of its own."""
+    common = set.intersection(*(set(model.model_fields) for model in models)) - {"kind"}
+    rows = [
+        ("all", name, unit_of(name), default_of(field), descriptions(models[0])[name])
+        for name, field in models[0].model_fields.items()
+        if name in common
+    ]
+    for model in models:
+        meanings = descriptions(model)
+        kind = f"`{default_kind(model)}`"
+        rows.append((kind, "", "", "", meanings["kind"]))
+        own = [name for name in model.model_fields if name not in common and name != "kind"]
+        rows += [(kind, name, unit_of(name), default_of(model.model_fields[name]), meanings[name]) for name in own]
+    lines = ["| kind | key | unit | default | meaning |", "|---|---|---|---|---|"]
+    for kind, name, unit, default, meaning in rows:
+        cells = [kind, f"`{name}`" if name else "", unit, default, meaning]
+        lines.append(f"| {' | '.join(cells)} |".replace("|  |", "| |").replace("|  |", "| |"))
+    return lines
+
+
 def chain() -> list[str]:
     """Return the effects on an effector in their order, each with the first sentence of its module."""
     lines = ["1. command: the controller's output v2 mapped to the effector, a deflection about trim, rad;"]
@@ -122,7 +143,7 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "inner": lambda: table(*(law.Config for law in LOOPS["inner"].KINDS), kinds=True),
     "rbf": lambda: table(Rbf),
     "limits": lambda: table(Limits),
-    "faults": lambda: table(*schema.FAULTS, kinds=len(schema.FAULTS) > 1),
+    "faults": lambda: by_kind(schema.FAULTS),
     "chain": chain,
     "disturbances": disturbances,
     "sensors": lambda: table(*configs(sensors.CHAIN, "KEYS_IN", "sensors")),

@@ -41,7 +41,7 @@ LAWS = [(group, effect) for group, effect in EVERY if group != "environment"]
 
 DIMENSIONLESS = {
     "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
-    "integration", "anti_windup", "centres", "width",
+    "integration", "anti_windup", "centres", "width", "known", "mode", "ratio", "flow",
 }  # fmt: skip
 UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
 """A unit in a description: keys named by a symbol of the paper have theirs there."""
@@ -85,6 +85,20 @@ ON = {
 }
 
 
+RUDDER = {"surface": "rudder"}
+FAULTS_ON = {
+    "effectiveness": {"effectiveness": 0.5, "bias_deg": 1},
+    "intermittent": {"on_s": 1, "off_s": 0.1, "effectiveness": 0.5},
+    "oscillatory": {"amplitude_deg": 1, "frequency_hz": 2},
+    "drift": {"rate_degps": 1},
+    "hardover": {"rate_degps": 1},
+    "float": {"ratio": 0.5},
+    "stuck": {"at_deg": 1},
+    "total-loss": {},
+}
+"""Of each kind of fault one that acts; a scenario has only one of them at a time on a surface."""
+
+
 @functools.cache
 def everything_on() -> Scenario:
     return Scenario.model_validate({"name": "contract", "duration_s": 1, "plant": "analytic", **ON})
@@ -93,12 +107,21 @@ def everything_on() -> Scenario:
 @functools.cache
 def given() -> Given:
     flown = build_flight(scenario()).given
-    three = {"effectors": SURFACES, "mixing": np.eye(3), "gangs": OWN_GANGS, "trim_rad": None, "read": None}
+    three = {
+        "effectors": SURFACES,
+        "mixing": np.eye(3),
+        "gangs": OWN_GANGS,
+        "trim_rad": None,
+        "read": None,
+        "sense": None,
+    }
     return flown._replace(stops_rad=np.array([[-np.inf, np.inf]] * 3), **three)
 
 
 def config(group: str, effect: ModuleType, of: Scenario):
     """Return what a scenario says of an effect; a law of a loop has its defaults and the aircraft's B_m."""
+    if getattr(effect, "ENTRY_OF", None) == "faults" and of is everything_on():
+        return (effect.Config.model_validate(RUDDER | FAULTS_ON[effect.Config.model_fields["kind"].default]),)
     if group not in ("outer", "inner"):
         return config_of(effect, of)
     chosen = effect.Config()

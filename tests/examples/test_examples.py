@@ -98,21 +98,21 @@ class TestFirstOrderLag:
         assert "actuators: {bandwidth_radps: null}" in found.text
 
 
-class TestStuck:
-    CHAIN = ("uavftc.actuators.CHAIN", "stuck_example")
+class TestJam:
+    CHAIN = ("uavftc.actuators.CHAIN", "jam")
     FAULTS = (
         "faults:\n"
         "  - {surface: aileron, start_s: 0.5, effectiveness: 0.5}\n"
-        "  - {kind: stuck, surface: elevator, start_s: 1, end_s: 2}\n"
+        "  - {kind: jam, surface: elevator, start_s: 1, end_s: 2}\n"
         "  - {kind: effectiveness, surface: rudder, end_s: 1, bias_deg: 0.1}\n"
-        "  - {kind: stuck, surface: rudder, start_s: 2.5}\n"
+        "  - {kind: jam, surface: rudder, start_s: 2.5}\n"
     )
 
     def test_a_surface_stays_where_it_was_inside_its_window(self, tmp_path):
         # the others, and the same one outside, do as commanded
         records, found = flown(tmp_path, HEAD + LIMITS + self.FAULTS, *self.CHAIN, before="stops")
         assert found.completed
-        assert [name for name in found.blocks if name.startswith("stuck")] == ["stuck 0", "stuck 1"]
+        assert [name for name in found.blocks if name.startswith("jam")] == ["jam 0", "jam 1"]
         expected, t = limited(records), records["t"]
         expected[t >= 0.5, 0] *= 0.5
         expected[t < 1.0, 2] += np.radians(0.1)
@@ -124,21 +124,21 @@ class TestStuck:
     def test_its_kind_is_one_of_those_listed_and_written(self, tmp_path):
         # messages, schema and text come of the files in the chain; an entry without a kind is the paper's fault
         wrong = [
-            HEAD + "faults: [{kind: stuck, surface: elevator, effectiveness: 0.5}]\n",
+            HEAD + "faults: [{kind: jam, surface: elevator, effectiveness: 0.5}]\n",
             HEAD + "faults: [{kind: stock, surface: elevator}]\n",
-            HEAD + "faults: [{kind: stuck, surface: 3}]\n",
-            HEAD + "faults: [{kind: stuck, surface: rudder, start_s: 1}, {surface: rudder, start_s: 2}]\n",
+            HEAD + "faults: [{kind: jam, surface: 3}]\n",
+            HEAD + "faults: [{kind: jam, surface: rudder, start_s: 1}, {surface: rudder, start_s: 2}]\n",
         ]
         _, found = flown(tmp_path, HEAD + self.FAULTS, *self.CHAIN, before="stops", wrong=wrong)
-        assert "- {kind: stuck, surface: elevator, start_s: 1.0, end_s: 2.0}" in found.text
+        assert "- {kind: jam, surface: elevator, start_s: 1.0, end_s: 2.0}" in found.text
         assert "- {surface: aileron, start_s: 0.5, end_s: null, effectiveness: 0.5, bias_deg: 0.0}" in found.text
-        assert '"stuck"' in json.dumps(found.schema["$defs"])
+        assert '"jam"' in json.dumps(found.schema["$defs"])
         key, kind, surface, overlap = found.refused.values()
         assert "line 5, key faults[0].effectiveness" in key
-        assert "expected: one of kind, start_s, end_s, surface" in key
+        assert "expected: one of kind, start_s, end_s, known, known_after_s, surface" in key
         assert "it belongs to kind effectiveness" in key
         assert "key faults[0].kind" in kind
-        assert "expected: one of effectiveness, stuck" in kind
+        assert "expected: one of effectiveness, intermittent" in kind
         assert "did you mean stuck?" in kind
         assert "key faults[0].surface" in surface
         assert "expected: a text" in surface

@@ -11,15 +11,15 @@ from PIL import Image
 
 from uavftc.report import figures, panels
 from uavftc.report.figures import write_figures
-from uavftc.results.context import FaultWindow, FigureContext, fault_label
+from uavftc.results.context import FaultWindow, FigureContext
 
 CONTEXT = FigureContext(
     "scenario3: nndondi-l1 on hale, jsbsim",
     limits_rad=dict.fromkeys(("aileron", "elevator", "rudder"), (-0.05, 0.1)),
     faults=[
-        FaultWindow("aileron", 0.0, 8.0, fault_label(0.5)),
-        FaultWindow("aileron", 8.0, 12.0, fault_label(0.8, "0.1 + 0.5*sin(t)")),
-        FaultWindow("rudder", 8.0, float("inf"), fault_label("0.2*t", "3*cos(0.1*t)")),
+        FaultWindow("aileron", 0.0, 8.0, "ω = 0.5"),
+        FaultWindow("aileron", 8.0, 12.0, "ω = 0.8\nbias 0.1 + 0.5*sin(t) deg"),
+        FaultWindow("rudder", 8.0, float("inf"), "ω = 0.2*t\nbias 3*cos(0.1*t) deg"),
     ],
     disturbances_s=(0.0, 10.0, 13.0),
 )

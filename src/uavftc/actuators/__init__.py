@@ -1,8 +1,35 @@
-"""What lies between a command and a deflection: one effect a file, in the order in which they act."""
+"""What lies between a command and a deflection: one effect a file, in the order in which they act.
+
+Of the kinds of fault at most one acts on an effector at a time, so their order among each other changes nothing.
+"""
 
 from __future__ import annotations
 
-from uavftc.actuators import delay, effectiveness, saturation, stops
+from uavftc.actuators import (
+    delay,
+    drift,
+    effectiveness,
+    floating,
+    hardover,
+    intermittent,
+    oscillatory,
+    saturation,
+    stops,
+    stuck,
+    total_loss,
+)
 
-CHAIN = (delay, saturation, effectiveness, stops)
+CHAIN = (
+    delay,
+    saturation,
+    effectiveness,
+    intermittent,
+    oscillatory,
+    drift,
+    hardover,
+    floating,
+    stuck,
+    total_loss,
+    stops,
+)
 """The order on an effector, from the command on."""

@@ -29,18 +29,23 @@ Effectiveness = Annotated[Signal, AtLeast(0.0, "an effectiveness >= 0", "0 is a 
 class Config(SurfaceFault):
     """A surface at `effectiveness` times its limited command, plus `bias_deg`, on [start_s, end_s)."""
 
-    remedies: ClassVar[dict[str, str]] = dict.fromkeys(
-        ("kind", "at_deg"),
-        "leave it out. A surface stuck at 2 deg about trim is effectiveness: 0, bias_deg: 2; one without any effect is "
-        "effectiveness: 0",
-    )
+    remedies: ClassVar[dict[str, str]] = {
+        "at_deg": "write kind: stuck for a surface that is stuck at an angle",
+        "engine": "write kind: loss, stuck or reduced for an engine",
+    }
 
     kind: Annotated[Literal["effectiveness"], Field(exclude=True)] = "effectiveness"
-    """`effectiveness`, where it is left out"""
+    """eq. (6), a gain and a bias; where `kind` is left out"""
     effectiveness: Effectiveness = Signal(1.0)
     """signal, finite and >= 0 at every sample of the window; over 1 is flown as written, with a warning"""
     bias_deg: Signal = ZERO
     """signal, added to the deflection, outside the limits"""
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        bias = "" if self.bias_deg.written in (0, "0") else f"\nbias {self.bias_deg.written} deg"
+        return f"ω = {self.effectiveness.written}{bias}"
 
 
 @law

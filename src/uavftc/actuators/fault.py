@@ -9,9 +9,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from uavftc.config.values import NonNegative, SurfaceName, Window
 from uavftc.core.given import Given
+from uavftc.core.stage import law
 
 
 class Fault(Window):
@@ -21,6 +23,14 @@ class Fault(Window):
     """whether the controller is told of it"""
     known_after_s: NonNegative = 0.0
     """how long after its beginning, where it is told: the time of a detection; it knows of the end as late"""
+
+    @model_serializer(mode="wrap")
+    def _short(self, default: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out what the controller is not told: most faults have nothing there."""
+        written: dict[str, Any] = default(self)
+        if not self.known and not self.known_after_s:
+            del written["known"], written["known_after_s"]
+        return written
 
 
 class SurfaceFault(Fault):
@@ -37,6 +47,8 @@ class Struck(NamedTuple):
     """Beginning, s, shape (n,); infinite for those that it does not act on."""
     end: np.ndarray
     """End, s, shape (n,); infinite till the end of the flight."""
+    weight: np.ndarray
+    """Deflection per deflection of the surface or gang, both as the laws count them, shape (n,); 0 of the others."""
     scale: np.ndarray
     """Deflection, as the laws count it, per angle of the fault, shape (n,)."""
     sense: np.ndarray
@@ -56,7 +68,29 @@ def struck(entry: Any, given: Given) -> Struck:
     return Struck(
         start=np.where(hit, entry.start_s, np.inf),
         end=np.full(n, np.inf if entry.end_s is None else entry.end_s),
+        weight=weight,
         scale=np.where(hit, sense, 0.0) if alone else weight,
         sense=sense,
         trim=np.zeros(n) if given.trim_rad is None else np.asarray(given.trim_rad, dtype=float),
     )
+
+
+def beyond_stops(entry: Any, given: Given, key: str, angle_deg: float) -> list[tuple[str, str]]:
+    """Return (key, line) where a total deflection of a fault, deg, is beyond a mechanical stop."""
+    hit = struck(entry, given)
+    about_trim = hit.scale * np.radians(angle_deg) - hit.trim
+    for j in given.targets[entry.surface]:
+        low, high = given.stops_rad[j]
+        if not low - 1e-9 <= about_trim[j] <= high + 1e-9:
+            stops = np.degrees(hit.sense[j] * (hit.trim[j] + given.stops_rad[j]))
+            line = f"{given.effectors[j]} has its stops at {min(stops):.4g} and {max(stops):.4g} deg, where it stays"
+            return [(key, f"{angle_deg:g} is beyond a stop: {line}")]
+    return []
+
+
+@law
+def put(s, e, deflection):
+    """Put the effector where a fault has it; nan stays nan. `s.most` keeps how far the fault moved it, rad."""
+    before = e.deflection
+    e.deflection = deflection + 0.0 * before
+    s.most = max(s.most, abs(e.deflection - before))

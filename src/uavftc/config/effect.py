@@ -8,6 +8,8 @@ An effect (of the actuators, the sensors, the air, a control law) is one module 
     prescribe     prescribe(entry, t, records, targets): signals of time that a scenario gives; optional
     REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
     warnings      warnings(entry, t, window) -> (key, line) of what is allowed and worth knowing about it; optional
+    problems      problems(entry, given) -> list of `values.Problem`, what the flight cannot have; optional
+    remarks       remarks(entry, given) -> (key, line) of what this flight makes worth knowing about it; optional
 
 and it takes part because its module is listed in the tuple of its chain. Its place is one of
 

@@ -33,6 +33,11 @@ def aircraft_names() -> list[str]:
     return sorted(p.name for p in folder.iterdir() if p.is_dir() and p.name[0] not in "._") if folder.is_dir() else []
 
 
-def scenario_names() -> list[str]:
-    """Return the names of the shipped scenarios, sorted, without `.yaml`."""
-    return sorted(p.stem for p in scenario_dir().glob("*.yaml"))
+GROUPS = ("beyond", "damage")
+"""Folders of the shipped scenarios, which are part of the names in them."""
+
+
+def scenario_names(group: str | None = None) -> list[str]:
+    """Return the names of the shipped scenarios, sorted, without `.yaml`; of a group such as ``beyond/stuck``."""
+    folder = scenario_dir() / (group or "")
+    return sorted(f"{group}/{p.stem}" if group else p.stem for p in folder.glob("*.yaml"))

@@ -29,7 +29,7 @@ from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncon
 from uavftc.flight.defaults import resolved
 from uavftc.flight.inputs import Inputs
 from uavftc.flight.layouts import claimed_stops, layout_of
-from uavftc.flight.named import refuse_unknown
+from uavftc.flight.named import refuse_impossible, refuse_unknown
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
 from uavftc.plants.jsbsim.model import TrimmedModel
@@ -91,6 +91,7 @@ def build_flight(scenario: Scenario) -> Flight:
     inputs = Inputs(scenario, trim_attitude(model), layout)
     plant = make_plant(scenario, aircraft, model, timing, inputs)
     given = given_of(scenario, aircraft, model, plant, timing, axes, layout)
+    refuse_impossible(scenario, given)
     watch = params_of(
         envelope.PARAMS,
         bank_max=math.radians(scenario.envelope.bank_deg),

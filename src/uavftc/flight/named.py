@@ -1,4 +1,4 @@
-"""What a scenario names of its aircraft: the surfaces of its faults and of its limits."""
+"""What a scenario asks of its aircraft: the surfaces that it names, and what its faults need."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import difflib
 
 from uavftc.actuators.saturation import SurfaceLimits
 from uavftc.config.explain import MAX_SHOWN, describe
-from uavftc.config.values import Problem
+from uavftc.config.values import Problem, key_text
+from uavftc.core.given import Given
 from uavftc.core.layout import Layout, targets_of
 from uavftc.errors import InputError, join
-from uavftc.scenario.checks import overlaps
+from uavftc.scenario.checks import entries, overlaps
 from uavftc.scenario.schema import Scenario
 
 
@@ -40,6 +41,37 @@ def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
             problems.append(Problem(key, describe(name), expected, remedy))
     if not problems:
         problems = overlaps(scenario, lambda surface: [layout.names[j] for j in targets[surface]])
+    _refuse(scenario, problems)
+
+
+def refuse_impossible(scenario: Scenario, given: Given) -> None:
+    """Refuse a fault or a disturbance that this flight cannot have.
+
+    Raises
+    ------
+    InputError
+        With the place of each key.
+    """
+    found = [
+        problem._replace(key=(*key, *problem.key))
+        for key, effect, entry in entries(scenario)
+        if hasattr(effect, "problems")
+        for problem in effect.problems(entry, given)
+    ]
+    _refuse(scenario, found)
+
+
+def remarks(scenario: Scenario, given: Given) -> list[str]:
+    """Return what this flight makes worth knowing about its faults and disturbances, one line each."""
+    return [
+        f"{key_text((*key, field))}: {line}"
+        for key, effect, entry in entries(scenario)
+        if hasattr(effect, "remarks")
+        for field, line in effect.remarks(entry, given)
+    ]
+
+
+def _refuse(scenario: Scenario, problems: list[Problem]) -> None:
     if problems:
         where = scenario.origin.where
         shown = [

@@ -36,9 +36,3 @@ class FigureContext:
     """Whether roll, pitch and yaw are controlled; another axis has neither reference nor command."""
     wind: bool = False
     """Whether the scenario has wind; without it, the figure of the air shows the throttle in its place."""
-
-
-def fault_label(effectiveness: float | str, bias_deg: float | str = 0.0) -> str:
-    """Return a label that fits a fault's window: what multiplies the deflection, and what is added to it."""
-    bias = "" if bias_deg in (0, "0") else f"\nbias {bias_deg} deg"
-    return f"ω = {effectiveness}{bias}"

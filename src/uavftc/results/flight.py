@@ -18,8 +18,9 @@ from uavftc.core.signals import SURFACES
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
 from uavftc.flight.inputs import Inputs
+from uavftc.flight.named import remarks
 from uavftc.plants.jsbsim.model import notes
-from uavftc.results.context import FaultWindow, FigureContext, fault_label
+from uavftc.results.context import FaultWindow, FigureContext
 from uavftc.results.history import write_history
 from uavftc.results.summary import provenance, summary, title_of
 from uavftc.scenario.controllers import CustomController
@@ -92,9 +93,10 @@ class FlightResult(NamedTuple):
                     shown,
                     fault.start_s,
                     end if fault.end_s is None else fault.end_s,
-                    own + fault_label(fault.effectiveness.written, fault.bias_deg.written),
+                    own + fault.label,
                 )
                 for fault in faults
+                if hasattr(fault, "surface")
                 for shown, own in self._shown_with(fault.surface)
             ],
             disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
@@ -145,7 +147,8 @@ def origin_of(flight: Flight) -> dict[str, Any]:
 def notes_of(flight: Flight) -> tuple[str, ...]:
     """Return what is worth knowing about the aircraft, its axes and its files, where they were read, one line each."""
     files = () if flight.model is None else tuple(notes(flight.aircraft, flight.model))
-    return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *files)
+    asked = remarks(flight.scenario, flight.given)
+    return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *asked, *files)
 
 
 def coarse(flight: Flight) -> list[str]:

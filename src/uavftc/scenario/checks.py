@@ -35,12 +35,12 @@ def warnings(scenario: Scenario) -> list[str]:
     """Return what is allowed and worth knowing, one readable line each."""
     lines = []
     times = None
-    for key, effect, entry in _entries(scenario):
+    for key, effect, entry in entries(scenario):
         if hasattr(effect, "warnings"):
             times = scenario.times() if times is None else times  # once: of a long flight they are many
             found = effect.warnings(entry, times[window_of(entry, times)], _window(scenario, entry))
             lines += [f"{key_text((*key, field))}: {line}" for field, line in found]
-    for key, _, entry in _entries(scenario):
+    for key, _, entry in entries(scenario):
         if entry.start_s > scenario.duration_s:
             lines.append(
                 f"{key_text(key)}: starts at {entry.start_s:g} s, after the end of the flight at "
@@ -56,7 +56,7 @@ def warnings(scenario: Scenario) -> list[str]:
     return lines
 
 
-def _entries(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Any, Any]]:
+def entries(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Any, Any]]:
     """Yield the key, the effect and the entry of each fault and disturbance, in the order of the file."""
     for section, kinds in (("faults", faults(CHAIN)), ("disturbances", [(kind, kind.Config) for kind in KINDS])):
         for i, entry in enumerate(getattr(scenario, section)):
@@ -122,7 +122,7 @@ def _signals(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Window
     whole = Window()
     for name in type(scenario.reference).model_fields:
         yield ("reference", name), whole, getattr(scenario.reference, name)
-    for key, _, entry in _entries(scenario):
+    for key, _, entry in entries(scenario):
         for name in type(entry).model_fields:
             if isinstance(value := getattr(entry, name), Signal):
                 yield (*key, name), entry, value
@@ -189,7 +189,7 @@ def overlaps(scenario: Scenario, members: Callable[[str], Iterable[str]]) -> lis
 
 def _plant(scenario: Scenario) -> list[Problem]:
     found = []
-    for key, effect, entry in _entries(scenario):
+    for key, effect, entry in entries(scenario):
         if scenario.plant in (refused := getattr(effect, "REFUSED_ON", {})):
             expected, remedy = refused[scenario.plant]
             found.append(Problem((*key, "kind"), f"{entry.kind} on plant: {scenario.plant}", expected, remedy))

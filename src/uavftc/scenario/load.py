@@ -96,14 +96,16 @@ def find_scenario(source: str | Path) -> Path:
     if exists and not folder:
         return path
     names = resources.scenario_names()
+    grouped = [name for group in resources.GROUPS for name in resources.scenario_names(group)]
     name = text.removesuffix(".yaml")
-    if name in names:
+    if name in names or name in grouped:
         return resources.scenario_dir() / f"{name}.yaml"
-    near = difflib.get_close_matches(path.stem, names, n=1)
+    near = difflib.get_close_matches(name, [*names, *grouped], n=1)
+    near = near or [other for other in grouped if other.rpartition("/")[2] == path.stem]
     raise InputError(
         (text if text.isprintable() else repr(text))[:200] or "SCENARIO",
         found="a folder" if folder else "no such file",
-        expected=f"a scenario file, or one of {', '.join(names)}",
+        expected=f"a scenario file, or one of {', '.join([*names, *(f'{group}/...' for group in resources.GROUPS)])}",
         remedy=f"did you mean {near[0]}?" if near else "check the path",
     )
 

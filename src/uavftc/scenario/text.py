@@ -11,7 +11,7 @@ MAX_WIDTH = 110  # columns up to which a list or map stays on one line
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_./-]*(?: [A-Za-z0-9_./-]+)*")
 _WORDS = ("null", "true", "false")  # texts YAML would read as something else
-_FIRST = ("kind", "surface")
+_FIRST = ("kind", "surface", "engine")
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 
@@ -62,7 +62,7 @@ def _ordered(section: dict[str, Any]) -> list[tuple[str, Any]]:
     """Return the keys in the order of the schema, with what the section is about first."""
     if isinstance(section, _Given):
         return list(section.items())
-    return sorted(section.items(), key=lambda item: item[0] not in _FIRST)
+    return sorted(section.items(), key=lambda item: _FIRST.index(item[0]) if item[0] in _FIRST else len(_FIRST))
 
 
 def _flow(value: Any) -> str:

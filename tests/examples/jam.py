@@ -1,4 +1,4 @@
-"""A surface that is stuck: on [start_s, end_s) it stays where it was.
+"""A surface that jams: on [start_s, end_s) it stays where it was.
 
 An example of a kind of fault in one file; it takes part by its place in `actuators.CHAIN`.
 """
@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from uavftc.config.values import SurfaceName, Window
+from uavftc.actuators.fault import SurfaceFault
 from uavftc.core.given import Given
 from uavftc.core.stage import Block, Stage, law, records_of
 
@@ -19,12 +19,10 @@ PARAMS = np.dtype([("start", "f8"), ("end", "f8")])  # s; a start that never com
 STATE = np.dtype([("held", "f8")])  # rad
 
 
-class Config(Window):
+class Config(SurfaceFault):
     """A surface that stays where it is, on [start_s, end_s)."""
 
-    kind: Literal["stuck"] = "stuck"
-    surface: SurfaceName
-    """which one"""
+    kind: Literal["jam"] = "jam"
 
 
 @law
@@ -40,11 +38,11 @@ stage = Stage(step, PARAMS, STATE, reads=["t", "deflection"], writes=["deflectio
 
 def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
     """Return a block for each fault: its surface has the window, the others have none."""
-    return [block_of(entry, given, f"stuck {i}") for i, entry in enumerate(config)]
+    return [block_of(entry, given, f"jam {i}") for i, entry in enumerate(config)]
 
 
 def block_of(entry: Config, given: Given, name: str) -> Block:
-    """Return the block of one fault; of a gang all effectors are stuck."""
+    """Return the block of one fault; of a gang all effectors jam."""
     hit = np.array([j in given.targets[entry.surface] for j in range(len(given.effectors))])
     start = np.where(hit, entry.start_s, np.inf)
     end = np.full(len(hit), np.inf if entry.end_s is None else entry.end_s)
