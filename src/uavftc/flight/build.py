@@ -169,11 +169,15 @@ def make_plant(
     """Return the plant at its trim."""
     if scenario.plant == "analytic":
         return make_analytic(aircraft, model, timing)
-    from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415 - each plant is imported only when flown
+    from uavftc.plants.jsbsim.events import Told  # noqa: PLC0415 - each plant is imported only when flown
+    from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415
 
     assert model is not None  # every JSBSim aircraft is flown from a trimmed model
     wind, moment = inputs.acts_on("wind_n"), inputs.acts_on("d2")
-    return JSBSimPlant(aircraft, model, timing, wind_n=inputs.wind_at_start(), has_wind=wind, has_moment=moment)
+    told: list[Told] = []  # of engines, of damage; see plants.jsbsim.events
+    return JSBSimPlant(
+        aircraft, model, timing, wind_n=inputs.wind_at_start(), has_wind=wind, has_moment=moment, told=told
+    )
 
 
 def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing) -> Plant:

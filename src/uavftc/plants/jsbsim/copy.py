@@ -4,6 +4,8 @@
   JSBSim reads neither in an included file. A <child>, another aircraft with outputs of its own, is refused.
 - A moment input is added to an aircraft that has none, for the disturbance d2: the body moment J d2.
 - Properties that nothing defines are declared, 0, where the caller says so (`load.missing`).
+- What a fault of this flight needs is put at the end of a section (`Addition`), or into a new one; a flight without
+  such a fault has the copy that it always had.
 
 The author's files are never touched. The copy is in the user's cache under its own checksum; whatever else the
 aircraft reads, it reads from the author's folder. Lines keep their numbers.
@@ -17,6 +19,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from xml.parsers import expat
 
 from uavftc.aircraft.definition import Aircraft
@@ -25,7 +28,17 @@ from uavftc.errors import InputError
 
 MOMENT = "uavftc-disturbance"
 _ELEMENT = f'<moment name="{MOMENT}" frame="BODY"><direction><x>1</x><y>0</y><z>0</z></direction></moment>'
+_MOMENTS = "external_reactions"
 _TAKEN_OUT = ("output", "input")
+
+
+class Addition(NamedTuple):
+    """XML put at the end of a section of the copy, behind all that the author has there."""
+
+    section: str
+    """A child of the root, such as `mass_balance`; made where there is none."""
+    xml: str
+    """ASCII, without a line break, so that lines keep their numbers."""
 
 
 def moment_name(aircraft: Aircraft) -> str:
@@ -33,8 +46,8 @@ def moment_name(aircraft: Aircraft) -> str:
     return aircraft.disturbance_moment or MOMENT
 
 
-def copy_of(aircraft: Aircraft, declared: Sequence[str] = ()) -> Path:
-    """Return the copy of the aircraft's main file with these properties declared, made at the first call.
+def copy_of(aircraft: Aircraft, declared: Sequence[str] = (), additions: Sequence[Addition] = ()) -> Path:
+    """Return the copy of the aircraft's main file with these properties declared and additions, made at the first call.
 
     Raises
     ------
@@ -43,7 +56,7 @@ def copy_of(aircraft: Aircraft, declared: Sequence[str] = ()) -> Path:
     """
     try:
         data = aircraft.xml.read_bytes()
-        copy = edited(data, moment=aircraft.disturbance_moment is None, declared=declared)
+        copy = edited(data, moment=aircraft.disturbance_moment is None, declared=declared, additions=additions)
     except OSError as error:
         raise _unusable(aircraft, error.strerror or str(error), "a file that can be read") from None
     except expat.ExpatError as error:
@@ -68,8 +81,8 @@ def _unusable(aircraft: Aircraft, found: str, expected: str) -> InputError:
     )
 
 
-def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = ()) -> bytes:
-    """Return an aircraft's XML without outputs and inputs, with a moment input and properties declared.
+def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = (), additions: Sequence[Addition] = ()) -> bytes:
+    """Return an aircraft's XML without outputs and inputs, with a moment input, properties declared and additions.
 
     Raises
     ------
@@ -86,8 +99,11 @@ def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = ()) -> bytes:
     if declared:
         lines = "".join(f'<property value="0">{name}</property>' for name in declared)
         changes.append((inside, inside, f'<system name="uavftc-declared">{lines}</system>'.encode()))
-    if moment:
-        changes.append(_moment(sections, end, xml))
+    tags = ([_MOMENTS] if moment else []) + [addition.section for addition in additions]
+    for tag in dict.fromkeys(tags):
+        first = _ELEMENT if moment and tag == _MOMENTS else ""
+        last = "".join(addition.xml for addition in additions if addition.section == tag)
+        changes += _put(tag, first, last, sections, end, xml)
     for begin, stop, text in sorted(changes, reverse=True):
         xml = xml[:begin] + text + xml[stop:]
     return xml
@@ -101,6 +117,8 @@ class _Section:
     begin: int
     inside: int = -1
     """Behind its start tag."""
+    close: int = -1
+    """Before its end tag."""
     end: int = -1
     """Behind its end tag; `inside` of an empty tag, <tag/>."""
 
@@ -109,15 +127,18 @@ class _RefusedError(ValueError):
     """What was found, and what is expected."""
 
 
-def _moment(sections: list[_Section], end: int, xml: bytes) -> tuple[int, int, bytes]:
-    """Return the change that adds the moment, to the <external_reactions> that JSBSim reads or in a new one."""
-    for section in sections:
-        if section.tag == "external_reactions":
-            if section.inside < section.end:
-                return section.inside, section.inside, _ELEMENT.encode()
-            closed = f">{_ELEMENT}</external_reactions>".encode()
-            return xml.rindex(b"/", section.begin, section.end), section.end, closed
-    return end, end, f"<external_reactions>{_ELEMENT}</external_reactions>".encode()
+def _put(
+    tag: str, first: str, last: str, sections: list[_Section], end: int, xml: bytes
+) -> list[tuple[int, int, bytes]]:
+    """Return the changes that put text at the two ends of the section that JSBSim reads, or into a new one."""
+    section = next((s for s in sections if s.tag == tag), None)
+    if section is None:
+        return [(end, end, f"<{tag}>{first}{last}</{tag}>".encode())]
+    if section.inside >= section.end:
+        closed = f">{first}{last}</{tag}>".encode()
+        return [(xml.rindex(b"/", section.begin, section.end), section.end, closed)]
+    places = ((section.inside, first), (section.close, last))
+    return [(place, place, text.encode()) for place, text in places if text]
 
 
 def _sections(xml: bytes) -> tuple[list[_Section], int, int]:
@@ -153,6 +174,7 @@ def _sections(xml: bytes) -> tuple[list[_Section], int, int]:
         if depth == 0:
             root.end = parser.CurrentByteIndex
         elif depth == 1:
+            sections[-1].close = parser.CurrentByteIndex
             waiting.append((sections[-1], "end"))
 
     def entity(*_: object) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 from uavftc.aircraft.definition import Aircraft
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import strict
-from uavftc.plants.jsbsim.copy import copy_of
+from uavftc.plants.jsbsim.copy import Addition, copy_of
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
 FLAT_PLANET = Path(__file__).with_name("flat_planet.xml")
@@ -77,8 +77,10 @@ def _quiet_log() -> _Log:
     return _log
 
 
-def load(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
+def load(aircraft: Aircraft, dt: float, additions: Sequence[Addition] = ()) -> jsbsim.FGFDMExec:
     """Return a fresh FDM with the copy of the aircraft loaded at frame time dt, s; nothing is initialised yet.
+
+    `additions` are put into the copy.
 
     Raises
     ------
@@ -86,7 +88,7 @@ def load(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
         If JSBSim cannot read the aircraft, or complains about it and its companion file does not allow that.
     """
     strict.refuse(aircraft)
-    return _loaded(aircraft, dt, missing(aircraft))
+    return _loaded(aircraft, dt, missing(aircraft), additions)
 
 
 def missing(aircraft: Aircraft) -> tuple[str, ...]:
@@ -119,9 +121,11 @@ def _missing(aircraft: Aircraft, _checksum: str) -> tuple[str, ...]:
     return (*absent, *(name for name in names if name not in absent and manager.get_node(name) is None))
 
 
-def _loaded(aircraft: Aircraft, dt: float, declared: Sequence[str]) -> jsbsim.FGFDMExec:
+def _loaded(
+    aircraft: Aircraft, dt: float, declared: Sequence[str], additions: Sequence[Addition] = ()
+) -> jsbsim.FGFDMExec:
     folder = aircraft.folder.resolve()  # the way from it to the copy counts its parents
-    copy = copy_of(aircraft, declared).resolve()
+    copy = copy_of(aircraft, declared, additions).resolve()
     try:
         model = os.path.relpath(copy.with_suffix(""), folder)
     except ValueError:
@@ -156,15 +160,17 @@ def _loaded(aircraft: Aircraft, dt: float, declared: Sequence[str]) -> jsbsim.FG
     return fdm
 
 
-def initialised(aircraft: Aircraft, dt: float) -> jsbsim.FGFDMExec:
+def initialised(aircraft: Aircraft, dt: float, additions: Sequence[Addition] = ()) -> jsbsim.FGFDMExec:
     """Return a fresh FDM at frame time dt, s, loaded, initialised and checked against the companion file.
+
+    `additions` are put into the copy that is loaded.
 
     Raises
     ------
     InputError
         If the aircraft does not load or does not hold what the companion file says.
     """
-    fdm = load(aircraft, dt)
+    fdm = load(aircraft, dt, additions)
     try:
         fdm.run_ic()
         check_initialised(aircraft, fdm)

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import Any
 
-import jsbsim
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
@@ -24,6 +24,7 @@ from uavftc.core.stage import Block, params_of, records_of
 from uavftc.plants.interface import Timing
 from uavftc.plants.jsbsim import bridge
 from uavftc.plants.jsbsim.copy import moment_name
+from uavftc.plants.jsbsim.events import Schedule, Told, existing
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
 from uavftc.plants.jsbsim.positions import Followed
@@ -66,6 +67,8 @@ class JSBSimPlant:
         Wind at time zero, north-east-down, shape (3,), m/s.
     has_wind, has_moment
         Whether the scenario moves the air, or disturbs the vehicle by d2: what is absent is never written.
+    told
+        What JSBSim is told once, at given rows, and what is put into the copy of the aircraft for it.
 
     Raises
     ------
@@ -83,11 +86,14 @@ class JSBSimPlant:
         has_wind: bool,
         has_moment: bool,
         integrators: dict[str, int] | None = None,
+        told: Sequence[Told] = (),
     ) -> None:
         integrators = INTEGRATORS if integrators is None else integrators
         self.trim = trim = Trim(**model.trim)
-        self.fdm = fdm = initialised(aircraft, timing.plant_step)
+        self.fdm = fdm = initialised(aircraft, timing.plant_step, [a for each in told for a in each.additions])
         start(fdm, aircraft, trim, wind_n, integrators)
+        self._events = Schedule(fdm, [event for each in told for event in each.events])
+        self._row = 0
         self.x1_trim = np.array([trim.phi, trim.theta, 0.0])
         self.u_limits = np.array([e.limits_rad for e in model.effectors])
         self.program_substeps = 1
@@ -155,7 +161,7 @@ class JSBSimPlant:
 
     def _bind(self, aircraft: Aircraft, model: TrimmedModel, *, has_wind: bool, has_moment: bool, holds: bool) -> None:
         """Look every property up once; a bound accessor costs a tenth of a look-up."""
-        node = functools.partial(_node, self.fdm)
+        node = functools.partial(existing, self.fdm)
         throttles = self.trim.throttles
         position = "fcs/throttle-pos-norm[0]"
         if aircraft.throttle is not None:
@@ -197,7 +203,15 @@ class JSBSimPlant:
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
         self._read()
-        done = self._fly(program, rows, first, last)
+        done = first
+        while done < last:  # once, where there is no event
+            self._events.write(self._row)
+            until = int(min(last, done + self._events.row - self._row))
+            flown = self._fly(program, rows, done, until)
+            self._row += flown - done
+            done = flown
+            if flown < until:  # lost
+                break
         if self._followed.any:
             self._followed.take(rows, first, done, last, self._in[len(self._in) - len(self.u_limits) :])
         return done
@@ -225,10 +239,3 @@ class JSBSimPlant:
                 frame()
             read()
         return last
-
-
-def _node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
-    node = fdm.get_property_manager().get_node(name)
-    if node is None:  # JSBSim would create it silently at the first write
-        raise KeyError(name)
-    return node
