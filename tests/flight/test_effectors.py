@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-import jsbsim
 import numpy as np
 import pytest
 
 from flying import flown
+from plain import at_trim, plain, replayed
 from tails import v_tail, with_servo
-from uavftc.config.shipped import aircraft_dir
 from uavftc.core.layout import shares
 from uavftc.core.signals import COLUMNS, as_records, column, empty_rows
 from uavftc.flight.build import build_flight
@@ -18,46 +17,8 @@ from uavftc.flight.fly import fly_to_memory
 from uavftc.flight.recorder import published
 from uavftc.scenario.load import load_scenario
 
-HALE = aircraft_dir() / "hale"
 FREE = ("saturation=null", "duration_s=4")
 LEFT_DEAD = ("faults=[{surface: left_aileron, start_s: 0.5, effectiveness: 0}]", "duration_s=6")
-RATES = {"rate/rotational": 4, "rate/translational": 3, "position/rotational": 5, "position/translational": 4}
-INPUTS = {
-    "left_aileron_rad": "fcs/left-aileron-cmd-norm", "right_aileron_rad": "fcs/right-aileron-cmd-norm",
-    "elevator_position_rad": "fcs/elevator-cmd-norm", "rudder_position_rad": "fcs/rudder-cmd-norm",
-}  # fmt: skip
-STATE = [f"attitude/{x}-rad" for x in ("phi", "theta", "psi")] + [f"velocities/{x}-rad_sec" for x in "pqr"]
-
-
-def plain() -> jsbsim.FGFDMExec:
-    """Load hale in plain JSBSim, on its planet."""
-    fdm = jsbsim.FGFDMExec(None)
-    fdm.set_debug_level(0)
-    fdm.set_aircraft_path(str(HALE.parent))
-    fdm.set_engine_path(str(HALE / "engine"))
-    fdm.set_systems_path(str(HALE / "systems"))
-    fdm.set_dt(0.005)
-    assert fdm.load_model("hale")
-    fdm.load_planet(str(HALE / "flat_planet.xml"), False)
-    return fdm
-
-
-def at_trim(throttle: float, alpha: float, elevator: float) -> jsbsim.FGFDMExec:
-    """Return plain JSBSim with hale at 30 m/s and 1000 m, its motion switched off and its engines at speed."""
-    fdm = plain()
-    for name in RATES:
-        fdm[f"simulation/integrator/{name}"] = 0
-    start = {"vt-fps": 30 / 0.3048, "h-sl-ft": 1000 / 0.3048, "alpha-rad": alpha, "theta-rad": alpha, "psi-true-rad": 0}
-    for name, value in {"lat-geod-deg": 0, "long-gc-deg": 0, "terrain-elevation-ft": 0, **start}.items():
-        fdm[f"ic/{name}"] = value
-    fdm.run_ic()
-    fdm["propulsion/set-running"] = -1
-    fdm["fcs/throttle-cmd-norm[0]"] = fdm["fcs/throttle-cmd-norm[1]"] = throttle
-    fdm["fcs/elevator-cmd-norm"] = elevator
-    fdm["ap/vt-set-fps"] = 30 / 0.3048
-    for _ in range(1000):
-        fdm.run()
-    return fdm
 
 
 def aileron_moments(left: float, right: float) -> np.ndarray:
@@ -98,19 +59,10 @@ def test_a_dead_left_aileron_flies_as_plain_jsbsim_with_the_same_positions():
     # Driven by the positions of the history alone, without this package: the flight is the same, roll, yaw and all.
     flight, records, outcome = flown("scenario1", "jsbsim", None, LEFT_DEAD)
     assert outcome.completed
-    history, trim = published(records, flight.columns), flight.model.trim
-    fdm = at_trim(trim["throttle"], trim["alpha"], trim["surfaces"][2])
-    fdm["ap/at-on"] = 1
-    for name, code in RATES.items():
-        fdm[f"simulation/integrator/{name}"] = code
-    states = []
-    for k in range(len(records)):
-        states.append([fdm[name] for name in STATE])
-        for name, command in INPUTS.items():
-            fdm[command] = history[name][k]
-        fdm.run()
-    np.testing.assert_allclose(np.unwrap(np.array(states)[:, :3], axis=0), records["x1"], rtol=0, atol=1e-9)
-    np.testing.assert_allclose(np.array(states)[:, 3:], records["x2"], rtol=0, atol=1e-9)
+    history = published(records, flight.columns)
+    states, _ = replayed(history, flight.model.trim)
+    np.testing.assert_allclose(np.unwrap(states[:, :3], axis=0), records["x1"], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(states[:, 3:], records["x2"], rtol=0, atol=1e-9)
     dead = records["t"] >= 0.5
     assert np.ptp(history["left_aileron_cmd_rad"][dead]) > 1e-3
     assert np.ptp(history["left_aileron_rad"][dead]) == 0.0

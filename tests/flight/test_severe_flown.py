@@ -1,0 +1,82 @@
+"""Severe faults in flight: on hale as in plain JSBSim with the same positions, and every shipped one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flying import flown
+from plain import FORCES, MOMENTS, replayed
+from uavftc.config.shipped import scenario_names
+from uavftc.flight.build import build_flight
+from uavftc.flight.fly import fly_to_memory
+from uavftc.flight.recorder import published
+from uavftc.scenario.load import load_scenario
+
+LEFT = "faults=[{{kind: {}, surface: left_aileron, start_s: 0.5, end_s: 3}}]"
+
+
+@pytest.mark.parametrize("fault", ["hardover, rate_degps: 40, to_deg: 10", "stuck, at_deg: -4", "float, ratio: 0.5"])
+def test_a_left_aileron_with_a_fault_flies_as_plain_jsbsim_with_the_same_positions(fault):
+    # states at each row, and the forces and moments of the last frame, which the plant still has
+    overrides = (LEFT.format(fault), "duration_s=4", "saturation=null")
+    flight = build_flight(load_scenario("scenario1", overrides=list(overrides)))
+    records, outcome = fly_to_memory(flight)
+    assert outcome.completed
+    history = published(records, flight.columns)
+    states, forces = replayed(history, flight.model.trim)
+    np.testing.assert_allclose(np.unwrap(states[:, :3], axis=0), records["x1"], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(states[:, 3:], records["x2"], rtol=0, atol=1e-9)
+    ours = np.array([flight.plant.fdm[name] for name in (*FORCES, *MOMENTS)])
+    scale = np.abs(forces).max(axis=0).reshape(2, 3).max(axis=1).repeat(3)
+    np.testing.assert_allclose(ours / scale, forces[-1] / scale, rtol=0, atol=1e-9)
+    inside = (records["t"] >= 0.5) & (records["t"] < 3.0)
+    assert np.ptp(history["left_aileron_rad"] - history["left_aileron_cmd_rad"]) > 1e-3
+    np.testing.assert_array_equal(history["left_aileron_rad"][~inside], history["left_aileron_cmd_rad"][~inside])
+
+
+def test_a_hardover_is_seen_in_the_position_of_the_history():
+    # 40 deg/s from where it was to 10 deg, to one plant step
+    overrides = (LEFT.format("hardover, rate_degps: 40, to_deg: 10"), "duration_s=4", "saturation=null")
+    flight, records, _ = flown("scenario1", "jsbsim", None, overrides)
+    position = published(records, flight.columns)["left_aileron_rad"]
+    first = int(np.searchsorted(records["t"], 0.5))
+    way = np.radians(10.0) - position[first]
+    there = np.argmax(position >= np.radians(10.0) - 1e-12) - first
+    assert abs(there * 0.005 - way / np.radians(40.0)) <= 0.005
+    np.testing.assert_allclose(np.diff(position[first : first + there]), np.radians(40.0) * 0.005, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("plant", ["jsbsim", "analytic"])
+def test_a_stuck_surface_holds_to_the_last_bit(plant):
+    overrides = (LEFT.format("stuck"), "duration_s=4")
+    flight, records, _ = flown("scenario1", plant, None, overrides)
+    position = published(records, flight.columns)["left_aileron_rad"]
+    inside = (records["t"] >= 0.5) & (records["t"] < 3.0)
+    assert np.ptp(position[inside]) == 0.0
+    assert position[inside][0] == position[np.argmax(inside) - 1]
+
+
+def test_before_a_fault_begins_the_flight_is_the_one_without_it_bit_for_bit():
+    faulty = flown("scenario1", "jsbsim", None, (LEFT.format("hardover"), "duration_s=1"))[1]
+    sound = flown("scenario1", "jsbsim", None, ("duration_s=1",))[1]
+    before = faulty["t"] < 0.5
+    for name in ("x1", "x2", "v2", "u2", "effectors"):
+        assert faulty[name][before].tobytes() == sound[name][before].tobytes()
+    assert not np.array_equal(faulty["u2"], sound["u2"])
+
+
+@pytest.mark.parametrize("name", [name for name in scenario_names("beyond") if name.startswith("beyond/fault-")])
+def test_every_shipped_fault_flies(name):
+    # to its end, but for the rudder at its stop, which takes the vehicle from any controller
+    flight = build_flight(load_scenario(name))
+    records, outcome = fly_to_memory(flight)
+    assert outcome.completed is (name != "beyond/fault-hardover-stop")
+    assert np.isfinite(records["x1"]).all()
+
+
+def test_a_floating_surface_needs_a_flow():
+    from uavftc.errors import InputError
+
+    with pytest.raises(InputError, match="no floating surface"):
+        load_scenario("scenario1", plant="analytic", overrides=[LEFT.format("float, ratio: 0.5")])
