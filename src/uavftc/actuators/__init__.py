@@ -6,6 +6,7 @@ Of the kinds of fault at most one acts on an effector at a time, so their order 
 from __future__ import annotations
 
 from uavftc.actuators import (
+    control_power,
     delay,
     drift,
     effectiveness,
@@ -30,6 +31,7 @@ CHAIN = (
     floating,
     stuck,
     total_loss,
+    control_power,
     stops,
 )
 """The order on an effector, from the command on."""

@@ -22,6 +22,11 @@ _UNITS = {
     "rad": "rad",
     "mps": "m/s",
     "m": "m",
+    "m2": "m^2",
+    "kg": "kg",
+    "kgm2": "kg m^2",
+    "n": "N",
+    "nm": "N m",
     "s": "s",
     "hz": "Hz",
 }

@@ -58,6 +58,8 @@ class Given(NamedTuple):
     """Of an angle as the aircraft counts it, per deflection of each effector, shape (n,): 1 or -1; None is 1."""
     faults: tuple[Any, ...] = ()
     """Entries of the scenario's `faults`, of every kind."""
+    damage: tuple[Any, ...] = ()
+    """Entries of the scenario's `damage`."""
 
     @property
     def targets(self) -> Targets:

@@ -29,6 +29,7 @@ def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
         for i, fault in enumerate(scenario.faults)
         if hasattr(fault, "surface")
     ]
+    named += [(("damage", i, "control_power", n), n) for i, d in enumerate(scenario.damage) for n in d.control_power]
     if isinstance(scenario.saturation, SurfaceLimits):
         limited = dict.fromkeys((*scenario.saturation.named(), *(scenario.saturation.model_extra or {})))
         named += [(("saturation", name), name) for name in limited]

@@ -10,6 +10,8 @@ fourth order, the inputs held over a plant step.
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,9 @@ from uavftc.core.linear3 import multiply
 from uavftc.core.program import Program
 from uavftc.core.stage import NOTHING, Block, Stage, law, params_of
 from uavftc.plants.interface import Timing
+from uavftc.plants.mass import damaged, piece_of
 from uavftc.plants.rigid_body import coefficients, gyroscopic
+from uavftc.plants.schedule import Schedule, Struck
 
 PARAMS = np.dtype(
     [
@@ -114,6 +118,8 @@ class AnalyticPlant:
         Sample time and substeps.
     x1_trim, u_limits
         Attitude at trim, shape (3,), rad, and the mechanical stops about trim, shape (3, 2), rad.
+    damage
+        What strikes the vehicle itself, and at which rows: changes of J.
     """
 
     def __init__(
@@ -125,6 +131,7 @@ class AnalyticPlant:
         *,
         x1_trim: np.ndarray | None = None,
         u_limits: np.ndarray | None = None,
+        damage: Sequence[Struck] = (),
     ) -> None:
         self.x1_trim = np.zeros(3) if x1_trim is None else x1_trim
         self.u_limits = np.array([[-np.inf, np.inf]] * 3) if u_limits is None else u_limits
@@ -142,6 +149,24 @@ class AnalyticPlant:
             A_l=A_l,
             B_m=B_m,
         )
+        self._undamaged = np.array(inertia), np.array(A_l), np.array(B_m)
+        self._struck: list[Any] = []
+        changes = [(d.end, functools.partial(self._strike, d.entry, begins=False)) for d in damage]
+        changes += [(d.first, functools.partial(self._strike, d.entry, begins=True)) for d in damage]
+        self._schedule = Schedule(changes) if damage else None
+
+    def _strike(self, entry: Any, *, begins: bool) -> None:
+        """Begin or end a damage: moments stay as they are, J is another."""
+        if begins:
+            self._struck.append(entry)
+        else:
+            self._struck = [other for other in self._struck if other is not entry]
+        J, A_l, B_m = self._undamaged
+        if self._struck:
+            now = damaged(1.0, J, [piece_of(other, 1.0) for other in self._struck]).inertia  # of no other mass
+            ratio = np.linalg.solve(now, J)
+            J, A_l, B_m = now, ratio @ A_l, ratio @ B_m
+        self._params["c"], self._params["A_l"], self._params["B_m"] = coefficients(J), A_l, B_m
 
     def before(self) -> list[Block]:
         """Return the block that writes the state into the row."""
@@ -156,5 +181,7 @@ class AnalyticPlant:
         return [stage.block(self._params, self._state, name="plant")]
 
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
-        """Fly rows `first` to `last - 1` in one compiled call."""
+        """Fly rows `first` to `last - 1` in one compiled call, or in one more for each change of J."""
+        if self._schedule is not None:
+            return self._schedule.fly(Program.run, program, rows, first, last)
         return program.run(rows, first, last)

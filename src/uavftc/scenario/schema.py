@@ -29,6 +29,7 @@ from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Who
 from uavftc.environment import KINDS
 from uavftc.scenario.checks import MAX_SUBSTEPS, problems
 from uavftc.scenario.controllers import AnyController, Controller
+from uavftc.scenario.damage import Damage
 from uavftc.sensors import CHAIN as SENSORS
 
 MAX_PLANT_STEP_S = 5e-3  # s; the JSBSim integrators are made for 120-200 Hz
@@ -162,6 +163,8 @@ class Scenario(_Chains):
 
     faults: tuple[Fault, ...] = ()
     """[actuator faults](#faults)"""
+    damage: tuple[Damage, ...] = ()
+    """[damage to the vehicle](#damage)"""
     disturbances: tuple[Disturbance, ...] = ()
     """[disturbances](#disturbances)"""
     sensors: Sensors = Sensors()
