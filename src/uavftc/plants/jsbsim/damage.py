@@ -6,7 +6,8 @@ forces or moments has external reactions, functions of JSBSim's properties times
 of zero change no bit.
 
 JSBSim takes the new mass in the frame after the row at which the damage begins, as it does a command. It keeps the
-velocity: what was that of the old centre of gravity is then that of the new one, w x s is not added.
+velocity: what was that of the old centre of gravity is then that of the new one, w x s is not added. It counts the
+inertia of fuel tanks about the centre of gravity of the frame before, so with tanks J is exact one frame later.
 """
 
 from __future__ import annotations
