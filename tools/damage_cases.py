@@ -21,6 +21,7 @@ import argparse
 import math
 import sys
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -197,6 +198,7 @@ def scenario(case: Case) -> str:
     """Return the text of a case's scenario file."""
     new = scaled(case)
     J = new.inertia
+    moments = dict(zip(("ixx_kgm2", "iyy_kgm2", "izz_kgm2"), np.diag(J), strict=True))
     products = {"ixy_kgm2": -J[0, 1], "ixz_kgm2": -J[0, 2], "iyz_kgm2": -J[1, 2]}
     x, y, z = new.place
     across = "the span" if case.wing else "the fin's arm"
@@ -206,7 +208,7 @@ def scenario(case: Case) -> str:
         f"# masses by that of the aircraft, lengths along and up by the fin's arm, across by {across}.",
         f"# So the piece is {-new.mass:.3g} kg at {x:.2f} m forward, {y:.2f} m right and {z:.2f} m down of the centre "
         "of gravity.",
-        *(f"# {line}" for line in case.why),
+        *(f"# {line}" for line in wrap(" ".join(case.why), 116)),
         f"name: {case.file}",
         f"description: {case.title[0].upper()}{case.title[1:]} at 5 s, the paper's step of 5 deg on each axis.",
         "duration_s: 20",
@@ -217,8 +219,7 @@ def scenario(case: Case) -> str:
         f"    mass_kg: {number(new.mass)}",
         f"    cg_m: [{', '.join(map(number, new.cg))}]",
         "    inertia_kgm2:",
-        *(f"      {key}: {number(value)}" for key, value in zip(("ixx_kgm2", "iyy_kgm2", "izz_kgm2"), np.diag(J), strict=True)),
-        *(f"      {key}: {number(value)}" for key, value in products.items()),
+        *(f"      {key}: {number(value)}" for key, value in (moments | products).items()),
     ]
     if case.lift_lost:
         lines.append(f"    lift_lost: {flow(case.lift_lost)}")
@@ -232,7 +233,8 @@ def scenario(case: Case) -> str:
 def table() -> str:
     """Return the table of docs/damage.md."""
     lines = [
-        "| file | lost | mass, kg | centre of gravity, m | ixx, iyy, izz, kg m² | ixy, ixz, iyz, kg m² | control power |",
+        "| file | lost | mass, kg | centre of gravity, m | ixx, iyy, izz, kg m² | ixy, ixz, iyz, kg m² "
+        "| control power |",
         "|---|---|---|---|---|---|---|",
     ]
     for case in cases():

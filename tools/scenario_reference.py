@@ -27,7 +27,7 @@ from uavftc.config.explain import unit_of
 from uavftc.config.values import Signal
 from uavftc.control.rbf import Rbf
 from uavftc.environment import KINDS
-from uavftc.scenario import schema
+from uavftc.scenario import damage, schema
 from uavftc.scenario.controllers import LOOPS, Controller, CustomController
 
 PAGE = Path(__file__).parents[1] / "docs" / "scenarios.md"
@@ -145,6 +145,9 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "limits": lambda: table(Limits),
     "faults": lambda: by_kind(schema.FAULTS),
     "chain": chain,
+    "damage": lambda: table(damage.Damage),
+    "inertia": lambda: table(damage.Inertia),
+    "lift lost": lambda: table(damage.LiftLost),
     "disturbances": disturbances,
     "sensors": lambda: table(*configs(sensors.CHAIN, "KEYS_IN", "sensors")),
     "envelope": lambda: table(schema.Envelope),

@@ -80,6 +80,7 @@ SURFACES_HIT = [{"surface": "rudder", "effectiveness": 0.5, "bias_deg": 1}]
 ON = {
     "saturation": {"min_rad": -0.05, "max_rad": 0.1},
     "faults": SURFACES_HIT,
+    "damage": [{"control_power": {"elevator": 0.5}}],
     "controller": {"delay_s": 0.0125},
     "sensors": {"gyro_bias_degps": [1, -2, 3]},
 }
@@ -241,7 +242,7 @@ def test_blocks_come_of_a_scenario_in_which_it_acts(group: str, effect: ModuleTy
 
 
 def finite_stops() -> Given:
-    return given()._replace(stops_rad=np.array([[-0.3, 0.2]] * 3))
+    return given()._replace(stops_rad=np.array([[-0.3, 0.2]] * 3), damage=everything_on().damage)
 
 
 def chain_of(group: str, of: Scenario, with_stops: Given) -> list[Block]:

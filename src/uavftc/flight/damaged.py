@@ -53,7 +53,11 @@ def _analytic(scenario: Scenario) -> list[Problem]:
     expected = "on plant: analytic, control_power and inertia_kgm2 with ixx, iyy, izz and ixz"
     remedy = "fly it on plant: jsbsim, or leave the key out"
     for i, entry in enumerate(scenario.damage):
-        changed = [key for key in _ROTATIONAL if getattr(entry, key) != Damage.model_fields[key].default]
+        changed = [
+            key
+            for key in _ROTATIONAL
+            if getattr(entry, key) != Damage.model_fields[key].get_default(call_default_factory=True)
+        ]
         for key in changed:
             lacks = f"{key}, for which the rotational model has no {_ROTATIONAL[key].removeprefix('a ')}"
             found.append(Problem(("damage", i, key), lacks, expected, remedy))

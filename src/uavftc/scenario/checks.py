@@ -40,7 +40,8 @@ def warnings(scenario: Scenario) -> list[str]:
             times = scenario.times() if times is None else times  # once: of a long flight they are many
             found = effect.warnings(entry, times[window_of(entry, times)], _window(scenario, entry))
             lines += [f"{key_text((*key, field))}: {line}" for field, line in found]
-    for key, _, entry in entries(scenario):
+    windows = [*((key, entry) for key, _, entry in entries(scenario)), *damage_of(scenario)]
+    for key, entry in windows:
         if entry.start_s > scenario.duration_s:
             lines.append(
                 f"{key_text(key)}: starts at {entry.start_s:g} s, after the end of the flight at "
@@ -61,6 +62,11 @@ def entries(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Any, An
     for section, kinds in (("faults", faults(CHAIN)), ("disturbances", [(kind, kind.Config) for kind in KINDS])):
         for i, entry in enumerate(getattr(scenario, section)):
             yield from (((section, i), effect, entry) for effect, config in kinds if isinstance(entry, config))
+
+
+def damage_of(scenario: Scenario) -> list[tuple[tuple[str | int, ...], Any]]:
+    """Return the key and the entry of each damage."""
+    return [(("damage", i), entry) for i, entry in enumerate(scenario.damage)]
 
 
 def _sampling(scenario: Scenario) -> list[Problem]:

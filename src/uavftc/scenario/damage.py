@@ -117,9 +117,9 @@ class Damage(Window):
     """where both act"""
     moment_nm: Vector = _NOTHING
     """constant moment about the body axes"""
-    coefficients: dict[Coefficient, Number] = {}
+    coefficients: dict[Coefficient, Number] = Field(default_factory=dict)
     """further aerodynamic coefficients, by name: `CY_beta: 0.2`; per rad, rates by b/2V (p, r) or c/2V (q)"""
-    control_power: dict[SurfaceName, Share] = {}
+    control_power: dict[SurfaceName, Share] = Field(default_factory=dict)
     """what is left of the effect of an effector, or of all of an axis, on its total deflection: 0, nothing, to 1"""
 
     @model_validator(mode="after")
@@ -158,4 +158,3 @@ class Damage(Window):
         said += ["moment"] if any(self.moment_nm) else []
         said += ["aerodynamics"] if any(self.coefficients.values()) else []
         return said + [f"{name} {100 * left:g} %" for name, left in self.control_power.items()]
-

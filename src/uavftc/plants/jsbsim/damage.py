@@ -82,7 +82,7 @@ def additions(damage: Sequence[Struck]) -> Additions:
 def changes(
     fdm: jsbsim.FGFDMExec, damage: Sequence[Struck], J: np.ndarray, where: str
 ) -> list[tuple[int | None, Change]]:
-    """Set the places of all damages on an aircraft at its start, of inertia J, kg m^2; return what is done at which row.
+    """Set the places of all damages on an aircraft at its start, inertia J, kg m^2; return what is done at which row.
 
     Raises
     ------
@@ -179,14 +179,14 @@ def _reactions(i: int, entry: Any) -> list[_Reaction]:
         if moment:
             add("moment", "BODY", direction, _value(moment / SLUGFT2_KGM2))
     for axis, (frame, direction, lengths) in _AXES.items():
-        terms = [
+        made = [
             _joined("product", [_value(value), *map(_read, _OF[name[3:]])])
             for name, value in entry.coefficients.items()
             if name[1] == axis and value
         ]
-        if terms:
+        if made:
             kind, place = ("moment", None) if lengths else ("force", "reference")
-            add(kind, frame, direction, _read(*_QS, *lengths) + _joined("sum", terms), place)
+            add(kind, frame, direction, _read(*_QS, *lengths) + _joined("sum", made), place)
     return found
 
 
