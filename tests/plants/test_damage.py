@@ -14,7 +14,8 @@ from uavftc.core.program import Program
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.plants.interface import Timing
-from uavftc.plants.jsbsim.damage import additions, changes
+from uavftc.plants.jsbsim.damage import told
+from uavftc.plants.jsbsim.events import Schedule as Events
 from uavftc.plants.jsbsim.load import inertia, initialised
 from uavftc.plants.mass import at_a_time, damaged, impossible, piece_of, points_of
 from uavftc.plants.schedule import Schedule, Struck, row_at
@@ -51,7 +52,9 @@ def plant_of(*entries: Damage, rate_hz: float = 200.0, substeps: int = 1):
     struck = [
         Struck(e, row_at(e.start_s, rate_hz), None if e.end_s is None else row_at(e.end_s, rate_hz)) for e in entries
     ]
-    return jsbsim_plant(load_aircraft("hale"), Timing(1.0 / rate_hz, substeps), damage=struck)
+    return jsbsim_plant(
+        load_aircraft("hale"), Timing(1.0 / rate_hz, substeps), told=[told(load_aircraft("hale"), struck, J)]
+    )
 
 
 def test_points_have_the_mass_and_moments_of_the_piece():
@@ -133,10 +136,10 @@ def test_an_aircraft_with_point_masses_of_its_own_keeps_them():
     own = [bare_fdm[f"inertia/pointmass-weight-lbs[{i}]"] for i in range(3)]
     assert max(own) > 0.0
     struck = [Struck(LOSS, 0, None)]
-    fdm = initialised(aircraft, 0.005, additions(struck))
+    of_damage = told(aircraft, struck, np.array(mass_of(bare_fdm)[2]))
+    fdm = initialised(aircraft, 0.005, of_damage.additions)
     before = mass_of(fdm)
-    for _, change in changes(fdm, struck, before[2], "test")[:1]:
-        change()
+    Events(fdm, of_damage.at_start(fdm)).write(0)
     fdm.run()
     fdm.run()  # JSBSim counts tanks about the centre of gravity of the frame before
     assert [fdm[f"inertia/pointmass-weight-lbs[{i}]"] for i in range(3)] == own
@@ -260,7 +263,7 @@ def test_a_window_begins_at_the_row_that_the_other_windows_begin_at(rate):
 def test_a_window_between_two_samples_does_nothing():
     scenario = load_scenario("scenario1", overrides=["damage=[{start_s: 0.001, end_s: 0.004, mass_kg: -30}]"])
     flight = build_flight(scenario)
-    assert flight.plant._schedule is None
+    assert flight.plant._events.row == np.inf
 
 
 @pytest.mark.parametrize("substeps", [1, 3])
@@ -384,21 +387,33 @@ def hale_with(tmp_path, old: str, new: str) -> str:
 def test_an_aircraft_with_a_name_of_ours_is_refused(tmp_path):
     folder = hale_with(tmp_path, '<moment name="dist"', '<!-- uavftc-damage --><moment name="dist"')
     with pytest.raises(InputError, match="the name uavftc-damage"):
-        initialised(load_aircraft(folder), 0.005, additions([Struck(LOSS, 0, None)]))
+        told(load_aircraft(folder), [Struck(LOSS, 0, None)], J)
 
 
-def test_an_aircraft_with_its_masses_in_another_file_is_refused(tmp_path):
-    # the copy is of the main file only
+def test_an_aircraft_with_its_masses_in_another_file_is_damaged_as_any(tmp_path):
+    # a point mass of its own there has another index than in the main file, and keeps its weight
     text = (load_aircraft("hale").folder / "hale.xml").read_text(encoding="utf-8")
-    section = text[text.index("<mass_balance") : text.index("</mass_balance>")] + "</mass_balance>"
-    folder = hale_with(tmp_path, section, '<mass_balance file="masses"/>')
-    from uavftc.plants.jsbsim.copy import edited
-
-    data = (tmp_path / "hale" / "hale.xml").read_bytes()
-    with pytest.raises(ValueError, match="without <mass_balance> in this file"):
-        edited(data, moment=False, damage=additions([Struck(LOSS, 0, None)]))
-    assert b"pointmass" not in edited(data, moment=False)
-    assert folder
+    section = text[text.index("<mass_balance") : text.index("</mass_balance>")]
+    folder = hale_with(tmp_path, f"{section}</mass_balance>", '<mass_balance file="masses"/>')
+    own = '<pointmass name="own"><weight unit="LBS">7</weight><location unit="IN"><x>9</x><y>0</y><z>0</z></location>'
+    other = f'<?xml version="1.0"?>\n{section}{own}</pointmass></mass_balance>'
+    (tmp_path / "hale" / "masses.xml").write_text(other, encoding="utf-8")
+    companion = tmp_path / "hale" / "uavftc.yaml"
+    claimed = companion.read_text(encoding="utf-8")
+    begin, end = claimed.index("mass_properties:"), claimed.index("effectors:")
+    companion.write_text(claimed[:begin] + claimed[end:], encoding="utf-8")
+    aircraft = load_aircraft(folder)
+    of_damage = told(aircraft, [Struck(LOSS, 0, None)], J)
+    fdm = initialised(aircraft, 0.005, of_damage.additions)
+    before = mass_of(fdm)
+    Events(fdm, of_damage.at_start(fdm)).write(0)
+    fdm.run()
+    mass, cg, after = mass_of(fdm)
+    weights = [fdm[f"inertia/pointmass-weight-lbs[{i}]"] for i in range(8)]
+    assert weights.count(7.0) == 1
+    assert mass == pytest.approx(before[0] - 30.0, rel=1e-12)
+    np.testing.assert_allclose(cg - before[1], LOSS.cg_m, rtol=1e-9)
+    np.testing.assert_allclose(after, before[2] + DJ, rtol=1e-9, atol=1e-6)
 
 
 # --- the analytic plant ---------------------------------------------------------------------------------------------

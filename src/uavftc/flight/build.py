@@ -26,6 +26,7 @@ from uavftc.core.signals import Column, Shape
 from uavftc.core.stage import Block, PythonBlock, params_of
 from uavftc.flight import envelope
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
+from uavftc.flight.damaged import refuse_damage
 from uavftc.flight.defaults import resolved
 from uavftc.flight.inputs import Inputs
 from uavftc.flight.layouts import claimed_stops, layout_of
@@ -33,6 +34,7 @@ from uavftc.flight.named import refuse_impossible, refuse_unknown
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
 from uavftc.plants.jsbsim.model import TrimmedModel
+from uavftc.plants.schedule import Struck, struck_by
 from uavftc.scenario.controllers import CustomController, kinds
 from uavftc.scenario.schema import Scenario
 
@@ -88,6 +90,7 @@ def build_flight(scenario: Scenario) -> Flight:
     timing = timing_of(scenario, model.frame_s if model is not None and finer else math.inf)
     layout = layout_of(scenario, aircraft, model)
     refuse_unknown(scenario, layout)
+    refuse_damage(scenario, aircraft, model)
     inputs = Inputs(scenario, trim_attitude(model), layout)
     plant = make_plant(scenario, aircraft, model, timing, inputs)
     given = given_of(scenario, aircraft, model, plant, timing, axes, layout)
@@ -155,6 +158,7 @@ def given_of(
         read=layout.read,
         sense=layout.sense,
         faults=tuple(scenario.faults),
+        damage=scenario.damage,
     )
 
 
@@ -167,26 +171,30 @@ def make_plant(
     scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, timing: Timing, inputs: Inputs
 ) -> Plant:
     """Return the plant at its trim."""
+    damage = struck_by(scenario.damage, scenario.controller.rate_hz)
     if scenario.plant == "analytic":
-        return make_analytic(aircraft, model, timing)
+        return make_analytic(aircraft, model, timing, damage)
+    from uavftc.plants.jsbsim import damage as damaged  # noqa: PLC0415
     from uavftc.plants.jsbsim.events import Told  # noqa: PLC0415 - each plant is imported only when flown
     from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415
 
     assert model is not None  # every JSBSim aircraft is flown from a trimmed model
     wind, moment = inputs.acts_on("wind_n"), inputs.acts_on("d2")
-    told: list[Told] = []  # of engines, of damage; see plants.jsbsim.events
+    told: list[Told] = [damaged.told(aircraft, damage, np.array(model.inertia_kgm2))]  # see plants.jsbsim.events
     return JSBSimPlant(
         aircraft, model, timing, wind_n=inputs.wind_at_start(), has_wind=wind, has_moment=moment, told=told
     )
 
 
-def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing) -> Plant:
+def make_analytic(
+    aircraft: Aircraft, model: TrimmedModel | None, timing: Timing, damage: Sequence[Struck] = ()
+) -> Plant:
     """Return the rotational model: the companion file's, or the one measured on JSBSim at the trim."""
     from uavftc.plants.analytic import AnalyticPlant  # noqa: PLC0415
 
     inertia, A_l, B_m = rotational_model(aircraft, model)
     if model is None:
-        return AnalyticPlant(inertia, A_l, B_m, timing, u_limits=claimed_stops(aircraft))
+        return AnalyticPlant(inertia, A_l, B_m, timing, u_limits=claimed_stops(aircraft), damage=damage)
     return AnalyticPlant(
         inertia,
         A_l,
@@ -194,6 +202,7 @@ def make_analytic(aircraft: Aircraft, model: TrimmedModel | None, timing: Timing
         timing,
         x1_trim=trim_attitude(model),
         u_limits=np.array([e.limits_rad for e in model.effectors]),
+        damage=damage,
     )
 
 

@@ -1,9 +1,9 @@
-"""Damage in JSBSim: point masses and forces that wait in the copy of the aircraft, with weight and magnitude zero.
+"""Damage in JSBSim: point masses and forces that wait in the copy of the aircraft, without weight and direction.
 
 A damage that changes mass, centre of gravity or inertia has `mass.POINTS` point masses of its own; their places are set
 before the flight, and their weights when it begins and when it ends: nothing is done at a frame between. One that adds
-forces or moments has external reactions, functions of JSBSim's properties times a switch. A weight of zero and a switch
-of zero change no bit.
+forces or moments has external reactions, functions of JSBSim's properties along a direction, which is zero until then.
+A weight of zero and a direction of zero change no bit.
 
 JSBSim takes the new mass in the frame after the row at which the damage begins, as it does a command. It keeps the
 velocity: what was that of the old centre of gravity is then that of the new one, w x s is not added. It counts the
@@ -13,21 +13,26 @@ inertia of fuel tanks about the centre of gravity of the frame before, so with t
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jsbsim
 import numpy as np
 
+from uavftc.aircraft.definition import Aircraft
 from uavftc.errors import InputError
+from uavftc.plants.jsbsim.copy import Addition
+from uavftc.plants.jsbsim.events import Event, Told
 from uavftc.plants.jsbsim.units import FT_M, IN_M, LBF_N, SLUG_KG, SLUGFT2_KGM2
 from uavftc.plants.mass import POINTS, piece_of, points_of
-from uavftc.plants.schedule import Change, Struck
+from uavftc.plants.schedule import Struck
 
 NAME = "uavftc-damage"
+_MARK = -987654.0
+"""Where a point mass stands, in, until its place is set: an index says nothing, an included file may have more."""
 _WEIGHTLESS = (
     f'<pointmass name="{NAME}"><weight unit="LBS">0</weight>'
-    '<location unit="IN"><x>0</x><y>0</y><z>0</z></location></pointmass>'
+    f'<location unit="IN"><x>{_MARK}</x><y>0</y><z>0</z></location></pointmass>'
 )
 _OF = {
     "alpha": ("aero/alpha-rad",),
@@ -49,105 +54,99 @@ _UNIT = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 _QS = ("aero/qbar-psf", "metrics/Sw-sqft")
 
 
-class Additions(NamedTuple):
-    """What a copy of an aircraft carries for the damages of a flight."""
-
-    masses: str = ""
-    """Elements of <mass_balance>."""
-    reactions: str = ""
-    """Elements of <external_reactions>."""
-    properties: tuple[str, ...] = ()
-    """To be declared."""
-
-
 class _Reaction(NamedTuple):
-    """A force or moment: its element, and where a force acts."""
+    """A force or moment: its element, in which way, and where a force acts."""
 
     name: str
     xml: str
+    direction: dict[str, int]
+    """By the names of JSBSim's properties."""
     place: tuple[float, float, float] | str | None
     """m, body axes, from the undamaged centre of gravity; `reference`, the aerodynamic one; None of a moment."""
     lateral: float = 0.0
     """To the right of that, in half spans."""
 
 
-def additions(damage: Sequence[Struck]) -> Additions:
-    """Return what the copy carries: the point masses and reactions of each damage, and a switch for each."""
-    masses = sum(d.entry.changes_mass for d in damage) * POINTS
-    reactions = "".join(r.xml for i, d in enumerate(damage) for r in _reactions(i, d.entry))
-    switches = tuple(_switch(i) for i, d in enumerate(damage) if d.entry.acts)
-    return Additions(masses * _WEIGHTLESS, reactions, switches)
-
-
-def changes(
-    fdm: jsbsim.FGFDMExec, damage: Sequence[Struck], J: np.ndarray, where: str
-) -> list[tuple[int | None, Change]]:
-    """Set the places of all damages on an aircraft at its start, inertia J, kg m^2; return what is done at which row.
+def told(aircraft: Aircraft, damage: Sequence[Struck], J: np.ndarray) -> Told:
+    """Return what the copy of an aircraft with the inertia J, kg m^2, carries for damages, and what is done when.
 
     Raises
     ------
     InputError
-        If the point masses did not come with the aircraft.
+        If the aircraft's XML has a name that begins as those of the additions.
     """
-    node = functools.partial(_node, fdm)
+    if not damage:
+        return Told()
+    where = f"aircraft {aircraft.name}, {aircraft.xml}"
+    if NAME.encode() in aircraft.xml.read_bytes():
+        remedy = "choose another name there"
+        raise InputError(where, found=f"the name {NAME}", expected="none that damage has for its own", remedy=remedy)
+    added = []
+    if masses := sum(d.entry.changes_mass for d in damage) * POINTS:
+        added.append(Addition("mass_balance", masses * _WEIGHTLESS))
+    if reactions := "".join(r.xml for i, d in enumerate(damage) for r in _reactions(i, d.entry)):
+        added.append(Addition("external_reactions", reactions))
+    return Told(additions=tuple(added), at_start=functools.partial(_events, tuple(damage), J, where))
+
+
+def _events(damage: Sequence[Struck], J: np.ndarray, where: str, fdm: jsbsim.FGFDMExec) -> list[Event]:
+    """Set the places of all damages on an aircraft at its start; return what is written at which row."""
     mass = fdm["inertia/mass-slugs"] * SLUG_KG
     lbs_per_kg = fdm["inertia/weight-lbs"] / mass  # by JSBSim's own g
     cg = np.array([fdm[f"inertia/cg-{axis}-in"] for axis in "xyz"])
     reference = np.array([fdm[f"metrics/aero-rp-{axis}-in"] for axis in "xyz"])
     radius = float(np.sqrt(0.5 * np.trace(J) / mass))  # of the size of the vehicle's: weights of its order
-    point = _own_points(fdm, damage, where)
-    found: list[tuple[int | None, Change]] = []
+    points = iter(_added_points(fdm, where, sum(d.entry.changes_mass for d in damage) * POINTS))
+    events: list[Event] = []
     for i, (entry, first, end) in enumerate(damage):
-        on: list[tuple[Callable[[float], object], float]] = []
+        on: list[tuple[str, float]] = []
         if entry.changes_mass:
             masses, places = points_of(piece_of(entry, mass), radius)
-            for kg, place in zip(masses, places, strict=True):
+            for kg, place in zip(masses.tolist(), places, strict=True):
+                point = next(points)
                 for axis, inches in zip("XYZ", _structural(cg, place), strict=True):
                     fdm[f"inertia/pointmass-location-{axis}-inches[{point}]"] = inches
-                on.append((node(f"inertia/pointmass-weight-lbs[{point}]").set_double_value, lbs_per_kg * kg))
-                point += 1
-        if entry.acts:
-            for reaction in _reactions(i, entry):
-                if reaction.place is None:
-                    continue
-                at = reference if isinstance(reaction.place, str) else _structural(cg, np.array(reaction.place))
-                at = at + np.array([0.0, reaction.lateral * fdm["metrics/bw-ft"] * FT_M / 2.0 / IN_M, 0.0])
-                for axis, inches in zip("xyz", at, strict=True):
-                    fdm[f"external_reactions/{reaction.name}/location-{axis}-in"] = inches
-            on.append((node(_switch(i)).set_double_value, 1.0))
-        off = [(write, 0.0) for write, _ in on]
-        found += [(first, functools.partial(_write, on)), (end, functools.partial(_write, off))]
-    return found
+                on.append((f"inertia/pointmass-weight-lbs[{point}]", lbs_per_kg * kg))
+        for reaction in _reactions(i, entry):
+            base = f"external_reactions/{reaction.name}"
+            on += [(f"{base}/{axis}", float(value)) for axis, value in reaction.direction.items() if value]
+            if reaction.place is None:
+                continue
+            at = reference if isinstance(reaction.place, str) else _structural(cg, np.array(reaction.place))
+            at = at + np.array([0.0, reaction.lateral * fdm["metrics/bw-ft"] * FT_M / 2.0 / IN_M, 0.0])
+            for axis, inches in zip("xyz", at, strict=True):
+                fdm[f"{base}/location-{axis}-in"] = inches
+        events += [Event(first, name, value) for name, value in on]
+        events += [] if end is None else [Event(end, name, 0.0) for name, _ in on]
+    return events
 
 
-def _write(values: Sequence[tuple[Callable[[float], object], float]]) -> None:
-    for write, value in values:
-        write(value)
+def _added_points(fdm: jsbsim.FGFDMExec, where: str, wanted: int) -> list[int]:
+    """Return the indices of the point masses that were added, by the place that they were given.
 
-
-def _own_points(fdm: jsbsim.FGFDMExec, damage: Sequence[Struck], where: str) -> int:
-    """Return the index of the first point mass that was added; they are behind those of the aircraft."""
-    wanted = sum(d.entry.changes_mass for d in damage) * POINTS
-    manager, n = fdm.get_property_manager(), 0
-    while manager.get_node(f"inertia/pointmass-weight-lbs[{n}]") is not None:
+    Raises
+    ------
+    InputError
+        If they did not come with the aircraft.
+    """
+    manager, found, n = fdm.get_property_manager(), [], 0
+    while (node := manager.get_node(f"inertia/pointmass-location-X-inches[{n}]")) is not None:
+        if node.get_double_value() == _MARK:
+            found.append(n)
         n += 1
-    if n < wanted:
+    if len(found) != wanted:
         raise InputError(
             where,
-            found="a <mass_balance> to which no point mass can be added",
-            expected="damage that changes no mass, or a <mass_balance> with its elements in the aircraft's main file",
-            remedy="write the elements of <mass_balance> into the main file",
+            found=f"{len(found)} of {wanted} point masses of damage in the aircraft as JSBSim has loaded it",
+            expected="a <mass_balance> to which point masses can be added",
+            remedy="leave mass_kg, cg_m and inertia_kgm2 out, or look at <mass_balance> in the aircraft's main file",
         )
-    return n - wanted
+    return found
 
 
 def _structural(cg: np.ndarray, place: np.ndarray) -> np.ndarray:
     """Return a place, m, body axes from the centre of gravity, in structural inches: x aft, y right, z up."""
     return cg + np.array([-1.0, 1.0, -1.0]) * place / IN_M
-
-
-def _switch(i: int) -> str:
-    return f"{NAME}/on-{i}"
 
 
 def _reactions(i: int, entry: Any) -> list[_Reaction]:
@@ -157,17 +156,17 @@ def _reactions(i: int, entry: Any) -> list[_Reaction]:
     def add(kind: str, frame: str, direction: tuple[int, ...], terms: str, place: Any = None, side: float = 0) -> None:
         name = f"{NAME}-{i}-{len(found)}"
         at = "" if kind == "moment" else '<location unit="IN"><x>0</x><y>0</y><z>0</z></location>'
-        towards = "".join(f"<{axis}>{value}</{axis}>" for axis, value in zip("xyz", direction, strict=True))
-        size = f"<function><product>{_read(_switch(i))}{terms}</product></function>"
-        xml = f'<{kind} name="{name}" frame="{frame}">{at}<direction>{towards}</direction>{size}</{kind}>'
-        found.append(_Reaction(name, xml, place, side))
+        towards = "<direction><x>0</x><y>0</y><z>0</z></direction>"
+        xml = f'<{kind} name="{name}" frame="{frame}">{at}{towards}<function>{terms}</function></{kind}>'
+        axes = "lmn" if kind == "moment" else "xyz"
+        found.append(_Reaction(name, xml, dict(zip(axes, direction, strict=True)), place, side))
 
     if (lost := entry.lift_lost) is not None:
-        share = _value(0.5 * lost.fraction) + _read("forces/fwz-aero-lbs")  # positive up, as lift is
+        share = _product(_value(0.5 * lost.fraction), _read("forces/fwz-aero-lbs"))  # positive up, as lift is
         side = lost.position if lost.side == "right" else -lost.position
         add("force", "WIND", (0, 0, 1), share, "reference", side)
     if entry.drag_area_m2:
-        terms = _read("aero/qbar-psf") + _value(entry.drag_area_m2 / FT_M**2)
+        terms = _product(_read("aero/qbar-psf"), _value(entry.drag_area_m2 / FT_M**2))
         add("force", "WIND", (-1, 0, 0), terms, entry.drag_at_m)
     for direction, newtons, area, moment in zip(
         _UNIT, entry.force_n, entry.force_area_m2, entry.moment_nm, strict=True
@@ -175,36 +174,31 @@ def _reactions(i: int, entry: Any) -> list[_Reaction]:
         if newtons:
             add("force", "BODY", direction, _value(newtons / LBF_N), entry.force_at_m)
         if area:
-            add("force", "BODY", direction, _read("aero/qbar-psf") + _value(area / FT_M**2), entry.force_at_m)
+            terms = _product(_read("aero/qbar-psf"), _value(area / FT_M**2))
+            add("force", "BODY", direction, terms, entry.force_at_m)
         if moment:
             add("moment", "BODY", direction, _value(moment / SLUGFT2_KGM2))
     for axis, (frame, direction, lengths) in _AXES.items():
         made = [
-            _joined("product", [_value(value), *map(_read, _OF[name[3:]])])
+            _product(_value(value), *map(_read, _OF[name[3:]]))
             for name, value in entry.coefficients.items()
             if name[1] == axis and value
         ]
         if made:
             kind, place = ("moment", None) if lengths else ("force", "reference")
-            add(kind, frame, direction, _read(*_QS, *lengths) + _joined("sum", made), place)
+            total = made[0] if len(made) == 1 else f"<sum>{''.join(made)}</sum>"
+            add(kind, frame, direction, _product(*map(_read, (*_QS, *lengths)), total), place)
     return found
 
 
-def _read(*names: str) -> str:
-    return "".join(f"<property>{name}</property>" for name in names)
-
-
-def _joined(operator: str, parts: Sequence[str]) -> str:
-    """Return a sum or a product; JSBSim complains about one of a single part."""
-    return parts[0] if len(parts) == 1 else f"<{operator}>{''.join(parts)}</{operator}>"
+def _read(name: str) -> str:
+    return f"<property>{name}</property>"
 
 
 def _value(number: float) -> str:
     return f"<value>{number!r}</value>"
 
 
-def _node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
-    node = fdm.get_property_manager().get_node(name)
-    if node is None:  # JSBSim would create it silently at the first write
-        raise KeyError(name)
-    return node
+def _product(*parts: str) -> str:
+    """Return a product; JSBSim complains about one of a single part."""
+    return parts[0] if len(parts) == 1 else f"<product>{''.join(parts)}</product>"

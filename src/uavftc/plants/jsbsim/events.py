@@ -18,13 +18,16 @@ events. `row_at` turns the edge of a window [start_s, end_s) into a row, as `val
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jsbsim
 
 from uavftc.plants.jsbsim.copy import Addition
 from uavftc.plants.jsbsim.writer import Getter, Setter
+from uavftc.plants.schedule import row_at
+
+__all__ = ["Event", "Schedule", "Told", "existing", "row_at"]
 
 
 class Event(NamedTuple):
@@ -37,19 +40,17 @@ class Event(NamedTuple):
     """A number, or the property whose value at that moment is written."""
 
 
+def _nothing(_fdm: jsbsim.FGFDMExec) -> Sequence[Event]:
+    return ()
+
+
 class Told(NamedTuple):
     """What a fault or damage tells JSBSim, and what the aircraft must have for it."""
 
     events: tuple[Event, ...] = ()
     additions: tuple[Addition, ...] = ()
-
-
-def row_at(time_s: float, rate_hz: float) -> int:
-    """Return the first row at or after a time, s, for t_k = k / rate_hz."""
-    row = max(0, math.floor(time_s * rate_hz) - 1)
-    while row / rate_hz < time_s:
-        row += 1
-    return row
+    at_start: Callable[[jsbsim.FGFDMExec], Sequence[Event]] = _nothing
+    """Given the aircraft at its start, frozen at the trim: prepares what it must, and returns further events."""
 
 
 def existing(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:

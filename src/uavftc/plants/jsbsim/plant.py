@@ -92,7 +92,7 @@ class JSBSimPlant:
         self.trim = trim = Trim(**model.trim)
         self.fdm = fdm = initialised(aircraft, timing.plant_step, [a for each in told for a in each.additions])
         start(fdm, aircraft, trim, wind_n, integrators)
-        self._events = Schedule(fdm, [event for each in told for event in each.events])
+        self._events = Schedule(fdm, [event for each in told for event in (*each.events, *each.at_start(fdm))])
         self._row = 0
         self.x1_trim = np.array([trim.phi, trim.theta, 0.0])
         self.u_limits = np.array([e.limits_rad for e in model.effectors])
