@@ -26,7 +26,7 @@ from uavftc.config.effect import configs, default_kind
 from uavftc.config.explain import unit_of
 from uavftc.config.values import Signal
 from uavftc.control.rbf import Rbf
-from uavftc.environment import KINDS
+from uavftc.environment import KINDS, gust_train, shear, turbulence
 from uavftc.scenario import damage, schema
 from uavftc.scenario.controllers import LOOPS, Controller, CustomController
 
@@ -149,6 +149,7 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "inertia": lambda: table(damage.Inertia),
     "lift lost": lambda: table(damage.LiftLost),
     "disturbances": disturbances,
+    "air": lambda: by_kind([kind.Config for kind in (shear, gust_train, turbulence)]),
     "sensors": lambda: table(*configs(sensors.CHAIN, "KEYS_IN", "sensors")),
     "envelope": lambda: table(schema.Envelope),
     "simulation": lambda: table(schema.Simulation),

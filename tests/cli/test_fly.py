@@ -144,9 +144,13 @@ WRONG = {
     ),
     "an unknown option": (lambda d: ["scenario3", "--fast"], ["--fast"]),
     "an unknown controller": (lambda d: ["scenario3", "--controller", "pdi"], ["pdi", "nndondi-l1"]),
-    "turbulence": (
+    "turbulence of no strength": (
         lambda d: ["scenario1", "--set", "disturbances=[{kind: turbulence}]"],
-        ["turbulence", "not available yet"],
+        ["disturbances[0].severity", "light, moderate or severe", "sigma_mps"],
+    ),
+    "turbulence on the analytic plant": (
+        lambda d: ["scenario1", "--plant", "analytic", "--set", "disturbances=[{kind: turbulence, severity: light}]"],
+        ["disturbances[0].kind", "rotational only", "jsbsim"],
     ),
     "air on the analytic plant": (lambda d: ["gust", "--plant", "analytic"], ["rotational only", "jsbsim"]),
     "no trim at this speed": (

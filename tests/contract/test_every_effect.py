@@ -37,11 +37,12 @@ GROUPS = {
     "inner": inner.KINDS,
 }
 EVERY = [(group, effect) for group, effects in GROUPS.items() for effect in effects]
-LAWS = [(group, effect) for group, effect in EVERY if group != "environment"]
+LAWS = [(group, effect) for group, effect in EVERY if group != "environment" or hasattr(effect, "blocks")]
 
 DIMENSIONLESS = {
     "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
     "integration", "anti_windup", "centres", "width", "known", "mode", "ratio", "flow",
+    "profile", "exponent", "count", "signs", "onset", "model", "severity", "rotational",
 }  # fmt: skip
 UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
 """A unit in a description: keys named by a symbol of the paper have theirs there."""
@@ -99,6 +100,17 @@ FAULTS_ON = {
 }
 """Of each kind of fault one that acts; a scenario has only one of them at a time on a surface."""
 
+DISTURBANCES_ON = {
+    "angular-acceleration": {"p_degps2": 1, "q_degps2": 2, "r_degps2": -1},
+    "attitude-rate": {"phi_degps": 1, "theta_degps": 2, "psi_degps": -1},
+    "wind": {"north_mps": 1, "east_mps": 2, "down_mps": -1},
+    "shear": {"north_mps": 4, "east_mps": -2},
+    "gust": {"ramp_s": 0.5, "north_mps": 1, "down_mps": -1},
+    "gust-train": {"ramp_s": 0.2, "count": 2, "north_mps": 1, "signs": "random", "onset": "random"},
+    "turbulence": {"severity": "light", "fade_s": 0},
+}
+"""Of each kind of disturbance one that acts; no plant has all of them."""
+
 
 @functools.cache
 def everything_on() -> Scenario:
@@ -123,6 +135,8 @@ def config(group: str, effect: ModuleType, of: Scenario):
     """Return what a scenario says of an effect; a law of a loop has its defaults and the aircraft's B_m."""
     if getattr(effect, "ENTRY_OF", None) == "faults" and of is everything_on():
         return (effect.Config.model_validate(RUDDER | FAULTS_ON[effect.Config.model_fields["kind"].default]),)
+    if getattr(effect, "ENTRY_OF", None) == "disturbances" and of is everything_on():
+        return (effect.Config.model_validate(DISTURBANCES_ON[effect.Config.model_fields["kind"].default]),)
     if group not in ("outer", "inner"):
         return config_of(effect, of)
     chosen = effect.Config()
@@ -198,24 +212,37 @@ def test_its_stage_is_made_of_its_step(group: str, effect: ModuleType) -> None:
 
 
 @named([(group, effect) for group, effect in EVERY if group == "environment"])
-def test_a_disturbance_prescribes_the_field_it_names(group: str, effect: ModuleType) -> None:
-    # the plants ask which fields are prescribed, and never look at the others
-    t = np.linspace(0.0, 1.0, 5)
-    needed = {"ramp_s": 0.5} if "ramp_s" in effect.Config.model_fields else {}
-    records = as_records(empty_rows(5))
-    if getattr(effect.Config, "refused", False):
-        with pytest.raises(ValueError, match="not available yet"):
-            effect.Config()
-        return
-    keys = [key for key in effect.Config.model_fields if unit_of(key) and not key.endswith("_s")]
-    assert len(keys) == 3
-    entry = effect.Config.model_validate({**needed, **dict.fromkeys(keys, 1.0)})
-    effect.prescribe(entry, t, records, given().targets)
-    once = records[effect.FIELD].copy()
-    assert once.any(axis=0).all()
-    effect.prescribe(entry, t, records, given().targets)
-    np.testing.assert_array_equal(records[effect.FIELD], 2.0 * once)  # those that overlap add up
-    assert not any(records[name].any() for name in ROW.names if name != effect.FIELD)
+def test_a_disturbance_adds_to_the_fields_it_names(group: str, effect: ModuleType) -> None:
+    # by a signal of time, by a law, or by both; the plants ask which fields those are, and never look at the others
+    assert hasattr(effect, "prescribe") or hasattr(effect, "blocks")
+    rows = still_rows(5)
+    before = rows.copy()
+    disturb(effect, rows)
+    once = as_records(rows - before)
+    changed = [name for name in ROW.names if once[name].any()]
+    assert sorted(changed) == sorted(effect.FIELDS)
+    disturb(effect, rows)
+    np.testing.assert_array_equal(rows - before, 2.0 * once.view(float).reshape(rows.shape))  # what overlaps adds up
+
+
+def still_rows(n: int) -> np.ndarray:
+    """Return rows of level flight in still air; nothing in them loses a digit when something small is added."""
+    rows = empty_rows(n)
+    records = as_records(rows)
+    records["t"], records["airspeed"], records["height"] = np.linspace(0.0, 1.0, n), 32.0, 512.0
+    return rows
+
+
+def disturb(effect: ModuleType, rows: np.ndarray) -> None:
+    """Let an entry that acts disturb the rows, by its signals and its laws."""
+    (entry,) = config("environment", effect, everything_on())
+    records = as_records(rows)
+    if hasattr(effect, "prescribe"):
+        chosen = effect.drawn(entry, 7, 0) if hasattr(effect, "drawn") else entry
+        assert (chosen.start_s, chosen.end_s) == (entry.start_s, entry.end_s)
+        effect.prescribe(chosen, records["t"], records, given().targets)
+    if hasattr(effect, "blocks"):
+        Program(effect.blocks((entry,), given())).run(rows, 0, len(rows))
 
 
 @named(LAWS)
@@ -225,6 +252,8 @@ def test_blocks_come_of_a_scenario_with_defaults(group: str, effect: ModuleType)
     assert all(isinstance(block, Block) for block in blocks)
     if group == "actuators":
         assert blocks == [] or effect is stops
+    elif group == "environment":
+        assert blocks == []
     elif group in ("outer", "inner"):
         assert blocks
 

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from uavftc import actuators, sensors
+from uavftc import actuators, environment, sensors
 from uavftc.control import allocation, inner, outer
 from uavftc.control.custom import controller
 from uavftc.control.whole import lqi
@@ -30,7 +30,8 @@ def stages_of(module: ModuleType) -> list[Stage]:
 
 
 MODULES = (
-    *actuators.CHAIN, *sensors.CHAIN, *outer.KINDS, *inner.KINDS, lqi, allocation, envelope, analytic, controller,
+    *actuators.CHAIN, *environment.KINDS, *sensors.CHAIN, *outer.KINDS, *inner.KINDS, lqi, allocation, envelope,
+    analytic, controller,
 )  # fmt: skip
 STAGES = {f"{module.__name__}.{stage.python.__name__}": stage for module in MODULES for stage in stages_of(module)}
 BRIDGE = {stage.python.__name__: stage for stage in stages_of(bridge)}

@@ -13,7 +13,7 @@ from uavftc.config.values import Model, NonNegative, Number, Positive
 from uavftc.core.layout import Targets
 
 ENTRY_OF = "disturbances"
-FIELD = "d2"
+FIELDS = ("d2",)
 
 
 class Config(Model):

@@ -240,7 +240,7 @@ class TestDoublet:
         assert "key disturbances[0].peak_degps" in key
         assert "expected: one of kind, start_s, length_s, peak_degps2" in key
         assert "did you mean peak_degps2?" in key
-        assert "angular-acceleration, attitude-rate, wind, gust, doublet" in kind
+        assert "angular-acceleration, attitude-rate, wind, shear, gust, gust-train, turbulence, doublet" in kind
         assert "did you mean doublet?" in kind
         assert "a finite number, deg/s^2" in expression
-        assert "one of angular-acceleration, attitude-rate, wind, gust, doublet" in turbulence
+        assert "give severity: light, moderate or severe" in turbulence

@@ -6,6 +6,11 @@ An effect (of the actuators, the sensors, the air, a control law) is one module 
     its place     one of SECTION, KEYS_IN and ENTRY_OF, see below
     blocks        blocks(config, given) -> list of blocks; empty where it does nothing, so that it costs nothing
     prescribe     prescribe(entry, t, records, targets): signals of time that a scenario gives; optional
+    drawn         drawn(entry, seed, place) -> what is prescribed in place of the `place`-th entry of this kind, once
+                  what is random in it is drawn: with the same `start_s` and `end_s`; optional
+    FIELDS        fields of the row that an entry adds to, by `prescribe` or by its law; of a kind of disturbance
+    wind_at_start wind_at_start(entry, height) -> velocity of the air that its law adds at t = 0, north-east-down, m/s,
+                  shape (3,), at a height above ground, m: the flight starts in this air; optional
     REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
     warnings      warnings(entry, t, window) -> (key, line) of what is allowed and worth knowing about it; optional
     problems      problems(entry, given) -> list of `values.Problem`, what the flight cannot have; optional

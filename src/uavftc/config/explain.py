@@ -20,6 +20,7 @@ _UNITS = {
     "deg": "deg",
     "radps": "rad/s",
     "rad": "rad",
+    "mps_per_m": "m/s per m",
     "mps": "m/s",
     "m": "m",
     "m2": "m^2",

@@ -17,7 +17,7 @@ import numba
 
 from uavftc.core import cache
 
-COMPILED = ("core", "control", "sensors", "actuators", "plants", "flight/envelope.py", "stage.py")
+COMPILED = ("core", "control", "sensors", "actuators", "environment", "plants", "flight/envelope.py", "stage.py")
 """Where this project's compiled code lives."""
 
 

@@ -56,6 +56,8 @@ class Given(NamedTuple):
     """Whether the plant reads the position of each effector, shape (n,); None of none."""
     sense: np.ndarray | None = None
     """Of an angle as the aircraft counts it, per deflection of each effector, shape (n,): 1 or -1; None is 1."""
+    span_m: float | None = None
+    """Wing span, m; None where nothing says it."""
     faults: tuple[Any, ...] = ()
     """Entries of the scenario's `faults`, of every kind."""
     damage: tuple[Any, ...] = ()

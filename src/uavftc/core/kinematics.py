@@ -28,6 +28,19 @@ def body_rates(x1, x1_dot):
 
 
 @law
+def to_north_east_down(x1, v):
+    """Return the vector v, body axes, in north-east-down axes, three values."""
+    sf, cf = sin(x1[0]), cos(x1[0])
+    st, ct = sin(x1[1]), cos(x1[1])
+    sp, cp = sin(x1[2]), cos(x1[2])
+    a = v[1] * sf + v[2] * cf  # v turned by the bank: [v0, b, a]
+    b = v[1] * cf - v[2] * sf
+    c = v[0] * ct + a * st  # and by the pitch: [c, b, d]
+    d = a * ct - v[0] * st
+    return c * cp - b * sp, c * sp + b * cp, d
+
+
+@law
 def wrapped(angle):
     """Return the angle moved by whole turns into [-pi, pi), rad, up to rounding at the ends."""
     return (angle + pi) % (2.0 * pi) - pi

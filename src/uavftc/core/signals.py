@@ -141,6 +141,7 @@ COLUMNS: tuple[Column, ...] = (
     *_vector("d2", ("d2_p_radps2", "d2_q_radps2", "d2_r_radps2")),
     *_vector("x2_meas", ("p_meas_radps", "q_meas_radps", "r_meas_radps")),
     *_vector("wind_n", ("wind_north_mps", "wind_east_mps", "wind_down_mps")),
+    *_vector("gust_rates", ("p_gust_radps", "q_gust_radps", "r_gust_radps")),
     Column("airspeed_mps", "airspeed", None),
     Column("altitude_m", "altitude", None),
     Column("alpha_rad", "alpha", None),

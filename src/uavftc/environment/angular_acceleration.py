@@ -10,7 +10,7 @@ from uavftc.config.values import ZERO, Signal, Window
 from uavftc.core.layout import Targets
 
 ENTRY_OF = "disturbances"
-FIELD = "d2"
+FIELDS = ("d2",)
 
 
 class Config(Window):

@@ -10,7 +10,7 @@ from uavftc.config.values import ZERO, Signal, Window
 from uavftc.core.layout import Targets
 
 ENTRY_OF = "disturbances"
-FIELD = "d1"
+FIELDS = ("d1",)
 REFUSED_ON = {
     "jsbsim": (
         "no attitude-rate: on JSBSim the kinematics are exact, d1 is a device of the analytic model",

@@ -11,7 +11,7 @@ from uavftc.core.layout import Targets
 from uavftc.environment import air
 
 ENTRY_OF = "disturbances"
-FIELD, REFUSED_ON = air.FIELD, air.REFUSED_ON
+FIELDS, REFUSED_ON = air.FIELDS, air.REFUSED_ON
 
 
 class Config(Model):

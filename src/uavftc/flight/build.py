@@ -34,6 +34,7 @@ from uavftc.flight.named import refuse_impossible, refuse_unknown
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
 from uavftc.plants.jsbsim.model import TrimmedModel
+from uavftc.plants.jsbsim.span import span
 from uavftc.plants.schedule import Struck, struck_by
 from uavftc.scenario.controllers import CustomController, kinds
 from uavftc.scenario.schema import Scenario
@@ -157,6 +158,7 @@ def given_of(
         trim_rad=layout.trim_rad,
         read=layout.read,
         sense=layout.sense,
+        span_m=span(aircraft),
         faults=tuple(scenario.faults),
         damage=scenario.damage,
     )
@@ -181,9 +183,8 @@ def make_plant(
     assert model is not None  # every JSBSim aircraft is flown from a trimmed model
     wind, moment = inputs.acts_on("wind_n"), inputs.acts_on("d2")
     told: list[Told] = [damaged.told(aircraft, damage, np.array(model.inertia_kgm2))]  # see plants.jsbsim.events
-    return JSBSimPlant(
-        aircraft, model, timing, wind_n=inputs.wind_at_start(), has_wind=wind, has_moment=moment, told=told
-    )
+    at_start = inputs.wind_at_start(model.trim["altitude"])  # the ground is at sea level
+    return JSBSimPlant(aircraft, model, timing, wind_n=at_start, has_wind=wind, has_moment=moment, told=told)
 
 
 def make_analytic(

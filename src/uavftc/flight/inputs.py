@@ -38,13 +38,13 @@ class Inputs:
         self._n, self._targets = len(layout.names), targets_of(layout.names, layout.gangs)
         self._shares = shares(layout.mixing)
         self._own = self._shares * layout.mixing
+        self._disturbances = [(kind, entry) for kind in KINDS for entry in config_of(kind, scenario)]
         self._entries = [
-            (effect, entry)
+            (effect, effect.drawn(entry, scenario.seed, i) if hasattr(effect, "drawn") else entry)
             for effect in (*CHAIN, *KINDS)
             if hasattr(effect, "prescribe")
-            for entry in config_of(effect, scenario)
+            for i, entry in enumerate(config_of(effect, scenario))
         ]
-
         self._on_effectors = any(effect in CHAIN for effect, _ in self._entries)
 
     def fill(self, records: np.ndarray, first: int) -> None:
@@ -69,11 +69,15 @@ class Inputs:
             records["bias"][:, i] = records["effectors"]["bias"] @ self._shares[:, i]
 
     def acts_on(self, field: str) -> bool:
-        """Whether a field of the row, such as `wind_n` or `d2`, is prescribed at any time."""
-        return any(getattr(effect, "FIELD", None) == field for effect, _ in self._entries)
+        """Whether a disturbance adds to a field of the row, such as `wind_n` or `d2`, at any time."""
+        return any(field in getattr(kind, "FIELDS", ()) for kind, _ in self._disturbances)
 
-    def wind_at_start(self) -> np.ndarray:
-        """Return the velocity of the air at t = 0, north-east-down, shape (3,), m/s."""
+    def wind_at_start(self, height: float = 0.0) -> np.ndarray:
+        """Return the velocity of the air at t = 0, north-east-down, shape (3,), m/s, at a height above ground, m."""
         record = as_records(empty_rows(1, self._n))
         self.fill(record, 0)
-        return record["wind_n"][0].copy()
+        wind = record["wind_n"][0].copy()
+        for kind, entry in self._disturbances:
+            if hasattr(kind, "wind_at_start") and entry.start_s <= 0.0:
+                wind += kind.wind_at_start(entry, height)
+        return wind

@@ -66,6 +66,7 @@ def observe(p, s, row):
         row.x1[i] = s.x1[i]
         row.x2[i] = s.x2[i]
         row.wind_n[i] = np.nan
+        row.gust_rates[i] = np.nan
     row.airspeed = np.nan
     row.altitude = np.nan
     row.height = np.nan
@@ -96,8 +97,8 @@ def step(p, s, row):
 
 
 VEHICLE = [
-    "x1", "x2", "wind_n", "airspeed", "altitude", "height", "alpha", "beta", "throttle", "contact", "north", "east",
-    "qbar", "load_factor",
+    "x1", "x2", "wind_n", "gust_rates", "airspeed", "altitude", "height", "alpha", "beta", "throttle", "contact",
+    "north", "east", "qbar", "load_factor",
 ]  # fmt: skip
 """What a plant writes of the vehicle as it is."""
 

@@ -129,7 +129,8 @@ class _Head(Model):
     duration_s: Positive
     """length of the flight; a whole number of controller steps, at most 20 million"""
     seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
-    """whole number from 0 to 2^63 - 1. Nothing in a flight is random yet: it is recorded and changes nothing"""
+    """whole number from 0 to 2^63 - 1. Of everything random: each effect, entry and axis has
+    numbers of its own, so that none changes those of another; where nothing is random, it changes nothing"""
     plant: Literal["jsbsim", "analytic"] = "jsbsim"
     """`jsbsim`: six degrees of freedom. `analytic`: the rotational model of the paper, eqs. (1)-(7)"""
     aircraft: Annotated[str, Field(min_length=1, max_length=4096)] = "hale"

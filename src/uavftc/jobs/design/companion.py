@@ -22,9 +22,9 @@ from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.errors import InputError
 from uavftc.flight.condition import axes_of_model, reasons_against
-from uavftc.jobs.design.fleet import span
 from uavftc.jobs.design.trimmed import design_model
 from uavftc.plants.jsbsim.model import FRAME_S, TrimmedModel, notes, stepped, trimmed_model
+from uavftc.plants.jsbsim.span import span
 from uavftc.report.effectors_text import effect_text, servo_text
 from uavftc.results.single import cannot_write, write_single
 from uavftc.scenario.schema import Scenario

@@ -16,11 +16,10 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
-from uavftc.aircraft.definition import STOCK, Aircraft, load_aircraft, stock_names
+from uavftc.aircraft.definition import STOCK, load_aircraft, stock_names
 from uavftc.analysis import authority
 from uavftc.config import shipped as resources
 from uavftc.core.cache import cache_folder
@@ -30,11 +29,9 @@ from uavftc.flight import condition
 from uavftc.jobs.design import trimmed
 from uavftc.jobs.design.document import DEFAULT_SCENARIO
 from uavftc.plants.jsbsim.model import cache_dir
-from uavftc.plants.jsbsim.units import FT_M, IN_M
+from uavftc.plants.jsbsim.span import span
 from uavftc.scenario import controllers
 from uavftc.scenario.load import load_scenario
-
-METRES = {"M": 1.0, "FT": FT_M, "IN": IN_M}
 
 Row = dict[str, Any]
 Progress = Callable[[int], None]
@@ -134,17 +131,6 @@ def _row(name: str, *, measured: bool, **known: Any) -> Row:
         "flyable": False if measured else None, "weakest_axis": None, "ratio": None, "reason": None, "without": [],
     }  # fmt: skip
     return row | known
-
-
-def span(aircraft: Aircraft) -> float | None:
-    """Return the wing span, m, of the companion file or the XML; None where it has none."""
-    if aircraft.mass_properties is not None:
-        return aircraft.mass_properties.span_m
-    with contextlib.suppress(OSError, ValueError, ElementTree.ParseError):
-        element = ElementTree.parse(aircraft.xml).find("metrics/wingspan")
-        if element is not None and element.text:
-            return float(element.text) * METRES.get(element.get("unit", "FT").upper(), 1.0)
-    return None
 
 
 # --- the cache -------------------------------------------------------------------------------------------------------

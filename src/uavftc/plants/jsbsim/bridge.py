@@ -116,7 +116,7 @@ def command(p, s, e, row):
     s.command = p.least if value < p.least else (p.greatest if value > p.greatest else value)
 
 
-LATER = ("wind_n", "north", "east", "qbar", "load_factor")
+LATER = ("wind_n", "gust_rates", "north", "east", "qbar", "load_factor")
 observe_stage = Stage(observe, NOTHING, OBSERVE_STATE, reads=[], writes=[name for name in VEHICLE if name not in LATER])
 locate_stage = Stage(locate, POSITION_PARAMS, POSITION_STATE, reads=[], writes=["position"])
 push_stage = Stage(push, PUSH_PARAMS, PUSH_STATE, reads=["d2", "wind_n"], writes=[])
