@@ -29,10 +29,10 @@ from typing import Any
 import numpy as np
 
 from uavftc.aircraft.definition import STOCK, stock_dir, stock_names
+from uavftc.aircraft.effectors import servo_text
 from uavftc.core.signals import AXES
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.model import ALTITUDE_M, FRAME_S, SPEEDS_MPS
-from uavftc.report.effectors_text import servo_text
 from uavftc.report.progress import stages
 
 ROOT = Path(__file__).parents[1]

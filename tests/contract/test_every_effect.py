@@ -41,7 +41,7 @@ LAWS = [(group, effect) for group, effect in EVERY if group != "environment" or 
 
 DIMENSIONLESS = {
     "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
-    "integration", "anti_windup", "centres", "width", "known", "mode", "ratio", "flow",
+    "integration", "anti_windup", "centres", "width", "known", "mode", "damping", "ratio", "flow",
     "profile", "exponent", "count", "signs", "onset", "model", "severity", "rotational",
 }  # fmt: skip
 UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
@@ -84,6 +84,17 @@ ON = {
     "damage": [{"control_power": {"elevator": 0.5}}],
     "controller": {"delay_s": 0.0125},
     "sensors": {"gyro_bias_degps": [1, -2, 3]},
+    "actuators": {
+        "deadband_deg": 0.5,
+        "delay_s": 0.0075,
+        "bandwidth_radps": 40,
+        "damping": 0.7,
+        "rate_limit_degps": 60,
+        "min_deg": -4,
+        "max_deg": 5,
+        "backlash_deg": 0.4,
+        "elevator": {"damping": None},
+    },
 }
 
 

@@ -6,15 +6,19 @@ Of the kinds of fault at most one acts on an effector at a time, so their order 
 from __future__ import annotations
 
 from uavftc.actuators import (
+    backlash,
     control_power,
+    deadband,
     delay,
     drift,
     effectiveness,
     floating,
     hardover,
     intermittent,
+    lag,
     oscillatory,
     saturation,
+    servo_delay,
     stops,
     stuck,
     total_loss,
@@ -23,6 +27,10 @@ from uavftc.actuators import (
 CHAIN = (
     delay,
     saturation,
+    deadband,
+    servo_delay,
+    lag,
+    backlash,
     effectiveness,
     intermittent,
     oscillatory,

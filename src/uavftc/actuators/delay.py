@@ -38,16 +38,21 @@ class Config(Model):
 
 
 @law
+def through(line, length, value, whole, part):
+    """Push a value into a line of so many, behind the place of the next; return the one of the delay ago."""
+    newest = int(line[0])
+    line[1 + newest] = value
+    current = line[1 + (newest - whole + length) % length]
+    before = line[1 + (newest - whole - 1 + length) % length]
+    line[0] = (newest + 1) % length
+    return part * before + (1.0 - part) * current if part > 0.0 else current
+
+
+@law
 def step(p, s, e, row):
     """Push the deflection into the line, and give the effector the one of the delay ago."""
     length = p.whole + 2
-    line = floats(s, length + 1)
-    newest = int(line[0])
-    line[1 + newest] = e.deflection
-    current = line[1 + (newest - p.whole + length) % length]
-    before = line[1 + (newest - p.whole - 1 + length) % length]
-    e.deflection = p.part * before + (1.0 - p.part) * current if p.part > 0.0 else current
-    line[0] = (newest + 1) % length
+    e.deflection = through(floats(s, length + 1), length, e.deflection, p.whole, p.part)
 
 
 stage = Stage(step, PARAMS, STATE, reads=["deflection"], writes=["deflection"])

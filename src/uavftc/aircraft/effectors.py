@@ -6,6 +6,7 @@ the deflection that an axis is commanded is shared: `aileron: {left_aileron: 1, 
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Annotated, NamedTuple
@@ -127,6 +128,23 @@ class Measured(NamedTuple):
     """Relative difference of the response between two small steps."""
     servo: dict[str, float]
     """What the XML's actuator does: some of `lag_radps`, `delay_s`, `backlash_rad`, `rate_radps`."""
+
+
+SERVO = {
+    "lag_radps": ("lag", 1.0, "rad/s"),
+    "delay_s": ("delay", 1e3, "ms"),
+    "backlash_rad": ("backlash", 180.0 / math.pi, "deg"),
+    "rate_radps": ("rate", 180.0 / math.pi, "deg/s"),
+}
+
+
+def servo_text(servo: Mapping[str, float]) -> str:
+    """Return what a servo does, in words: `lag 57.1 rad/s, delay 20 ms, backlash 1 deg`; empty where it does nothing.
+
+    Backlash is the width of the XML's hysteresis.
+    """
+    return ", ".join(f"{word} {servo[key] * factor:.3g} {unit}" for key, (word, factor, unit) in SERVO.items()
+                     if key in servo)  # fmt: skip
 
 
 def mixing_of(names: tuple[str, ...], gangs: Mapping[str, Mapping[str, float]]) -> np.ndarray:

@@ -55,13 +55,13 @@ def faults(effects: Sequence[Effect]) -> list[tuple[Effect, type[BaseModel]]]:
     return found
 
 
-def section(name: str, effects: Sequence[Effect], doc: str, module: str) -> Any:
+def section(name: str, effects: Sequence[Effect], doc: str, module: str, *, named: str | None = None) -> Any:
     """Return the section in which the effects with KEYS_IN `name` have their keys, in their order.
 
-    `module` holds it under its name, capitalised, so that a scenario can be sent to another process.
+    `module` holds it as `named`, or under its name, capitalised, so that a scenario can be sent to another process.
     """
     bases = tuple(reversed(configs(effects, "KEYS_IN", name))) or (Model,)
-    return create_model(name.capitalize(), __base__=bases, __doc__=doc, __module__=module)
+    return create_model(named or name.capitalize(), __base__=bases, __doc__=doc, __module__=module)
 
 
 def default_kind(config: type[BaseModel]) -> str:

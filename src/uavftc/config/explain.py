@@ -72,8 +72,16 @@ def _locate(loc: tuple[str | int, ...], root: type[BaseModel]) -> tuple[Key, typ
         key.append(part)
         if isinstance(part, str) and not choices:
             holder = model
-            choices = _sections(model.model_fields[part].annotation) if part in model.model_fields else {}
+            choices = _sections(_annotation(model, part))
     return tuple(key), holder
+
+
+def _annotation(model: type[BaseModel], key: str) -> Any:
+    """Return what may stand under a key of a section: under a name of the user's, what all of these hold."""
+    if key in model.model_fields:
+        return model.model_fields[key].annotation
+    by_name = model.model_config.get("extra") == "allow"
+    return typing.get_type_hints(model)["__pydantic_extra__"] if by_name else None
 
 
 def _sections(annotation: Any) -> dict[str, type[BaseModel]]:
@@ -148,7 +156,8 @@ def _unknown(key: Key, model: type[BaseModel], root: type[BaseModel]) -> Problem
     if siblings:
         remedy = f"remove it: it belongs to kind {' and '.join(siblings)}"
     remedy = getattr(model, "remedies", {}).get(name, remedy)
-    return Problem(key, f"the unknown key {describe(name)}", f"one of {', '.join(known)}", remedy)
+    by_name = ", or the name of a surface with a section of its own" if model.model_config["extra"] == "allow" else ""
+    return Problem(key, f"the unknown key {describe(name)}", f"one of {', '.join(known)}{by_name}", remedy)
 
 
 def _siblings(model: type[BaseModel], root: type[BaseModel]) -> dict[str, type[BaseModel]]:

@@ -24,7 +24,7 @@ from pydantic import (
     WithJsonSchema,
     field_validator,
 )
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, core_schema
 
 from uavftc.config.expression import KNOWN, Expression
 
@@ -195,6 +195,13 @@ def _surface(name: str) -> str:
 
 SurfaceName = Annotated[str, Strict(), AfterValidator(_surface)]
 """An effector of the aircraft, or the gang of an axis; which there are is known when the flight is built."""
+
+
+def own_section(value: Any) -> Any:
+    """Admit a section, or null, under a name that is not a key; a number or a text there is an unknown key."""
+    if value is None or isinstance(value, dict | BaseModel):
+        return value
+    raise PydanticKnownError("extra_forbidden")
 
 
 class AtLeast(NamedTuple):

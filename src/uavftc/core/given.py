@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,6 +59,9 @@ class Given(NamedTuple):
     """Of an angle as the aircraft counts it, per deflection of each effector, shape (n,): 1 or -1; None is 1."""
     span_m: float | None = None
     """Wing span, m; None where nothing says it."""
+    servos: tuple[Mapping[str, float], ...] = ()
+    """What the aircraft's own servo of each effector does, as `aircraft.effectors.SERVO` names it; empty where it moves
+    none by itself, or the plant knows of none."""
     faults: tuple[Any, ...] = ()
     """Entries of the scenario's `faults`, of every kind."""
     damage: tuple[Any, ...] = ()

@@ -36,6 +36,8 @@ class Layout(NamedTuple):
     """Of an angle as the aircraft counts it, per deflection, shape (n,): 1 or -1, on every plant."""
     engines: tuple[str, ...] = ()
     """Names of the engines, in their order in a row."""
+    servos: tuple[str, ...] = ()
+    """Effectors to which the scenario gives a servo that takes time; where it is, is published."""
 
     @property
     def targets(self) -> Targets:
@@ -47,7 +49,8 @@ class Layout(NamedTuple):
         """Columns of the history of this aircraft: the common ones, and those of its effectors.
 
         Of an effector that has the name of an axis' surface, the position is published where it reports one; of any
-        other its command and its position, trim included, counted as the aircraft counts them.
+        other its command and its position, trim included, counted as the aircraft counts them. A servo is counted as
+        `<effector>_rad` is.
         """
         own = []
         for j, name in enumerate(self.names):
@@ -57,6 +60,9 @@ class Layout(NamedTuple):
                 own.append(Column(f"{name}_rad", "position", None, j, sign))
             elif self.position_sign[j]:
                 own.append(Column(f"{name}_position_rad", "position", None, j, sign))
+            if name in self.servos:
+                about = (1.0, 0.0) if name in SURFACES else (sign, float(self.trim_rad[j]))
+                own.append(Column(f"{name}_servo_rad", "servo", None, j, *about))
         return (*COLUMNS, *own)
 
 

@@ -65,6 +65,7 @@ EFFECTOR = np.dtype(
         ("effectiveness", "f8"),  # omega of eq. (6), given by the scenario
         ("bias", "f8"),  # v_2a of eq. (6), given by the scenario, rad
         ("position", "f8"),  # deflection with that of the trim, rad: what its command at t_k brings about
+        ("servo", "f8"),  # where its servo is at t_k, about trim, rad; 0 where it has none
     ]
 )
 """One effector at one sample. Behind its head a row has as many of these as the aircraft has effectors."""

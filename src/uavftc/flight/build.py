@@ -31,6 +31,7 @@ from uavftc.flight.defaults import resolved
 from uavftc.flight.inputs import Inputs
 from uavftc.flight.layouts import claimed_stops, layout_of
 from uavftc.flight.named import refuse_impossible, refuse_unknown
+from uavftc.flight.servos import own_servos, published
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
 from uavftc.plants.jsbsim.model import TrimmedModel
@@ -114,6 +115,7 @@ def build_flight(scenario: Scenario) -> Flight:
     ]
     allocate, gather = allocation.blocks(given)
     plant_step = [allocate, *chain_blocks(actuators.CHAIN, scenario, given), gather, *plant.after()]
+    layout = layout._replace(servos=published(scenario.actuators, given))
     check_flow([*sample, *plant_step])
     program = Program(sample, plant_step, substeps=plant.program_substeps)
     return Flight(scenario, aircraft, model, plant, program, inputs, watch, given, scenario.steps, layout)
@@ -159,6 +161,7 @@ def given_of(
         read=layout.read,
         sense=layout.sense,
         span_m=span(aircraft),
+        servos=own_servos(scenario, model),
         faults=tuple(scenario.faults),
         damage=scenario.damage,
     )

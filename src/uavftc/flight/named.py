@@ -1,4 +1,4 @@
-"""What a scenario asks of its aircraft: the surfaces that it names, and what its faults need."""
+"""What a scenario asks of its aircraft: what it names of it, and what its faults need."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from uavftc.scenario.schema import Scenario
 
 
 def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
-    """Refuse a surface that the aircraft does not have, and two faults at a time on one effector.
+    """Refuse a surface that the aircraft does not have, two faults at a time on one effector, and two servos of one.
 
     Raises
     ------
@@ -33,6 +33,7 @@ def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
     if isinstance(scenario.saturation, SurfaceLimits):
         limited = dict.fromkeys((*scenario.saturation.named(), *(scenario.saturation.model_extra or {})))
         named += [(("saturation", name), name) for name in limited]
+    named += [(("actuators", name), name) for name in scenario.actuators.named()]
     problems = []
     for key, name in named:
         if name not in targets:
@@ -42,6 +43,7 @@ def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
             problems.append(Problem(key, describe(name), expected, remedy))
     if not problems:
         problems = overlaps(scenario, lambda surface: [layout.names[j] for j in targets[surface]])
+        problems += twice(scenario, layout)
     _refuse(scenario, problems)
 
 
@@ -79,3 +81,18 @@ def _refuse(scenario: Scenario, problems: list[Problem]) -> None:
             InputError(where(p.key), found=p.found, expected=p.expected, remedy=p.remedy) for p in problems[:MAX_SHOWN]
         ]
         raise join(shown)
+
+
+def twice(scenario: Scenario, layout: Layout) -> list[Problem]:
+    """Return the servos of two gangs that share an effector without keys of its own."""
+    own = scenario.actuators.named()
+    found, first = [], dict[str, str]()
+    for gang in (name for name in own if name in layout.gangs):
+        for name in layout.gangs[gang]:
+            if name in first and (name not in own or name in layout.gangs):
+                what = f"{name}, which is of {first[name]} too"
+                remedy = f"name {name} by itself, or one of the two gangs only"
+                problem = Problem(("actuators", gang), what, "one servo for each effector", remedy)
+                found.append(problem)
+            first.setdefault(name, gang)
+    return found

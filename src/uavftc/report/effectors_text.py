@@ -6,29 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from uavftc.aircraft.effectors import servo_text
 from uavftc.core.signals import AXES, SURFACES
 
-SERVO = {
-    "lag_radps": ("lag", 1.0, "rad/s"),
-    "delay_s": ("delay", 1e3, "ms"),
-    "backlash_rad": ("backlash", 180.0 / math.pi, "deg"),
-    "rate_radps": ("rate", 180.0 / math.pi, "deg/s"),
-}
 CLOSE = 0.05  # of 1: a full response nearer than this to what the slope gives is not worth a word
 
 
 def has_table(effectors: Sequence[Mapping[str, Any]]) -> bool:
     """Whether there is more to say than that each axis has its surface."""
     return not {e["name"] for e in effectors} <= set(SURFACES)
-
-
-def servo_text(servo: Mapping[str, float]) -> str:
-    """Return what a servo does, in words: `lag 57.1 rad/s, delay 20 ms, backlash 1 deg`; empty where it does nothing.
-
-    Backlash is the width of the XML's hysteresis.
-    """
-    return ", ".join(f"{word} {servo[key] * factor:.3g} {unit}" for key, (word, factor, unit) in SERVO.items()
-                     if key in servo)  # fmt: skip
 
 
 def servo_lines(effectors: Sequence[Mapping[str, Any]]) -> list[str]:

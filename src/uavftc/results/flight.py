@@ -15,10 +15,10 @@ from uavftc.control.custom.module import checksum
 from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.layout import Layout
 from uavftc.core.signals import SURFACES
+from uavftc.flight import named, servos
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
 from uavftc.flight.inputs import Inputs
-from uavftc.flight.named import remarks
 from uavftc.plants.jsbsim.model import notes
 from uavftc.results.context import FaultWindow, FigureContext
 from uavftc.results.history import write_history
@@ -145,9 +145,9 @@ def origin_of(flight: Flight) -> dict[str, Any]:
 
 
 def notes_of(flight: Flight) -> tuple[str, ...]:
-    """Return what is worth knowing about the aircraft, its axes and its files, where they were read, one line each."""
+    """Return what is worth knowing about the aircraft, its axes, servos and files where read, one line each."""
     files = () if flight.model is None else tuple(notes(flight.aircraft, flight.model))
-    asked = remarks(flight.scenario, flight.given)
+    asked = (*named.remarks(flight.scenario, flight.given), *servos.remarks(flight.scenario, flight.given))
     return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *asked, *files)
 
 

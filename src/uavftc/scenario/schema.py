@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import (
     BaseModel,
+    BeforeValidator,
+    ConfigDict,
     Discriminator,
     Field,
     PrivateAttr,
@@ -25,7 +27,7 @@ from uavftc.actuators import CHAIN, effectiveness
 from uavftc.actuators.saturation import limits_rad
 from uavftc.config.document import Origin
 from uavftc.config.effect import configs, default_kind, faults, section
-from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Whole, refusal
+from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Whole, own_section, refusal
 from uavftc.environment import KINDS
 from uavftc.scenario.checks import MAX_SUBSTEPS, problems
 from uavftc.scenario.controllers import AnyController, Controller
@@ -106,7 +108,31 @@ else:
     Fault = Annotated[reduce(or_, _faults), Discriminator(_kind)] if len(FAULTS) > 1 else FAULTS[0]
     Disturbance = Annotated[reduce(or_, configs(KINDS, "ENTRY_OF", "disturbances")), Field(discriminator="kind")]
     Sensors = section("sensors", SENSORS, "What the controller sees: the errors of the sensors.", __name__)
-    Actuators = section("actuators", CHAIN, "What the actuators do by themselves.", __name__)
+    Actuator = section("actuators", CHAIN, "What a servo does by itself.", __name__, named="Actuator")
+
+    class Actuators(Actuator):
+        """What the servos do by themselves; under the name of an effector or gang the keys of its own."""
+
+        model_config = ConfigDict(extra="allow")
+        __pydantic_extra__: dict[str, Annotated[Actuator | None, BeforeValidator(own_section)]]
+
+        def named(self) -> dict[str, Any]:
+            """Return the keys given by name, each with the common ones where it says nothing; None does nothing."""
+            return dict(self.__pydantic_extra__ or {})
+
+        @model_validator(mode="after")
+        def _common_in_each(self) -> Actuators:
+            found = list(self.problems())
+            common = {key: getattr(self, key) for key in Actuator.model_fields}
+            for name, own in self.named().items():
+                if own is not None:
+                    left_out = common.keys() - own.model_fields_set
+                    whole = own.model_copy(update={key: common[key] for key in left_out})
+                    self.__pydantic_extra__[name] = whole
+                    found += [p._replace(key=(name, *p.key)) for p in whole.problems()]
+            if found:
+                raise refusal(found)
+            return self
 
 
 def _chain_sections() -> dict[str, Any]:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uavftc.aircraft.definition import COMPANION, STOCK, Aircraft, load_aircraft
-from uavftc.aircraft.effectors import Measured
+from uavftc.aircraft.effectors import Measured, servo_text
 from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.errors import InputError
@@ -25,7 +25,7 @@ from uavftc.flight.condition import axes_of_model, reasons_against
 from uavftc.jobs.design.trimmed import design_model
 from uavftc.plants.jsbsim.model import FRAME_S, TrimmedModel, notes, stepped, trimmed_model
 from uavftc.plants.jsbsim.span import span
-from uavftc.report.effectors_text import effect_text, servo_text
+from uavftc.report.effectors_text import effect_text
 from uavftc.results.single import cannot_write, write_single
 from uavftc.scenario.schema import Scenario
 

@@ -1,0 +1,76 @@
+"""Backlash between a servo and its surface: the surface rests while the servo crosses the play.
+
+y moves only where it is pushed:    y = u - w/2 for u - y > w/2,    y = u + w/2 for y - u > w/2,    w = `backlash_deg`
+
+The last part of a servo. Its memory is the surface, at first in the middle of the play at trim. The servo moves along a
+curve within a plant step and is given to this law by its mean. A fault of the kind `backlash` widens the play to
+`width_deg`; one that is wider by itself stays as it is. The play widens about where the surface is. After the window
+the surface goes on from where it is, and where the servo's own play does not reach that far, it is moved to its edge at
+once.
+"""
+
+from __future__ import annotations
+
+from math import radians
+from typing import Literal
+
+import numpy as np
+
+from uavftc.actuators.fault import SurfaceFault
+from uavftc.actuators.servo import Keys, at, schedule, servos
+from uavftc.config.values import NonNegative, Positive
+from uavftc.core.given import Given
+from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
+
+KEYS_IN = "actuators"
+
+PARAMS = np.dtype([("count", "i8")])  # of switches of the width
+STATE = RAW  # y, rad, in [0], then the switches and the widths, rad
+
+
+class Config(Keys):
+    """The play between a servo and its surface."""
+
+    backlash_deg: NonNegative = 0.0
+    """width of the play, from one side to the other, >= 0"""
+
+
+class Widened(SurfaceFault):
+    """A play of `width_deg` between servo and surface on [start_s, end_s)."""
+
+    kind: Literal["backlash"] = "backlash"
+    """play between the servo and its surface"""
+    width_deg: Positive
+    """width, from one side to the other, > 0; a play that is wider by itself stays as it is"""
+
+
+FAULT = Widened
+
+
+@law
+def step(p, s, e, row):
+    """Move the surface as far as it is pushed."""
+    memory = floats(s, 2 * p.count + 2)
+    half = 0.5 * at(memory, 1, p.count, row.t)
+    u, y = e.deflection, memory[0]
+    if u - y > half:
+        y = u - half
+    elif y - u > half:
+        y = u + half
+    elif not u - y <= half:  # nan
+        y = u
+    memory[0] = y
+    e.deflection = y
+
+
+stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection"])
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the play of each effector; none where there is none."""
+    own = [0.0 if servo.keys is None else radians(servo.keys.backlash_deg) for servo in servos(config, given)]
+    width = schedule(own, 0.0, Widened, lambda w, fault: max(w, radians(fault.width_deg)), given)
+    if not width.acts.any():
+        return []
+    state = np.column_stack([np.zeros(len(own)), width.table])
+    return [stage.block(records_of(PARAMS, len(own), count=width.switches), state)]

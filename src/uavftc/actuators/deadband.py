@@ -1,0 +1,69 @@
+"""Dead band of a servo: it does not answer a command within half the width of it about trim.
+
+y = 0 for |u| <= w/2,    y = u - sign(u) w/2 beyond,    w = `deadband_deg`
+
+The first part of a servo, ahead of its delay. A fault of the kind `deadband` widens it to `width_deg`; one that is
+wider by itself stays as it is. It has no memory: from the end of the window on it is the servo's own.
+"""
+
+from __future__ import annotations
+
+from math import isnan, radians
+from typing import Literal
+
+import numpy as np
+
+from uavftc.actuators.fault import SurfaceFault
+from uavftc.actuators.servo import Keys, at, schedule, servos
+from uavftc.config.values import NonNegative, Positive
+from uavftc.core.given import Given
+from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
+
+KEYS_IN = "actuators"
+
+PARAMS = np.dtype([("count", "i8")])  # of switches of the width
+STATE = RAW  # the switches and the widths, rad
+
+
+class Config(Keys):
+    """The dead band of a servo."""
+
+    deadband_deg: NonNegative = 0.0
+    """width of the dead band about trim, >= 0"""
+
+
+class Widened(SurfaceFault):
+    """A servo with a dead band of `width_deg` on [start_s, end_s)."""
+
+    kind: Literal["deadband"] = "deadband"
+    """a servo that does not answer small commands"""
+    width_deg: Positive
+    """width of the band, > 0; a servo whose own is wider keeps it"""
+
+
+FAULT = Widened
+
+
+@law
+def step(p, s, e, row):
+    """Take the dead band out of the command in place."""
+    half = 0.5 * at(floats(s, 2 * p.count + 1), 0, p.count, row.t)
+    u = e.deflection
+    if u > half:
+        e.deflection = u - half
+    elif u < -half:
+        e.deflection = u + half
+    elif not isnan(u):
+        e.deflection = 0.0
+
+
+stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection"])
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the dead band of each effector; none where there is none."""
+    own = [0.0 if servo.keys is None else radians(servo.keys.deadband_deg) for servo in servos(config, given)]
+    width = schedule(own, 0.0, Widened, lambda w, fault: max(w, radians(fault.width_deg)), given)
+    if not width.acts.any():
+        return []
+    return [stage.block(records_of(PARAMS, len(own), count=width.switches), width.table)]

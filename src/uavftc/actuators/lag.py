@@ -1,0 +1,140 @@
+"""Motion of a servo: a lag of first or second order, within limits of its rate and of its position.
+
+First order:  y' = w (u - y).    Second order:  y'' = w^2 (u - y) - 2 zeta w y'.    |y'| <= R,  min <= y <= max
+
+w is `bandwidth_radps` (null: y = u as far as the limits allow), zeta `damping`, R `rate_limit_degps`. The limits act
+as those of limited integrators (`response.py`). Commands are held over a plant step, and the motion is exact for that.
+
+The effector gets the mean of y over the plant step, which is what a plant that holds its inputs over a step needs: the
+impulse is the true one, and the loop is accurate to the second order of the step. The servo itself, y at t_k, is in the
+history as `<effector>_servo_rad`.
+
+A fault of the kind `rate-limit` lowers R to `rate_degps`; a servo that is slower by itself stays so. The memory, y and
+y', goes on after the window with the servo's own limit: from where the servo is it catches up as that allows, and an
+ideal servo at once.
+"""
+
+from __future__ import annotations
+
+from math import ceil, inf, radians
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from uavftc.actuators.fault import SurfaceFault
+from uavftc.actuators.response import LONGEST, first_order, second_order
+from uavftc.actuators.servo import Keys, at, schedule, servos
+from uavftc.config.values import Number, Positive, Problem
+from uavftc.core.given import Given
+from uavftc.core.stage import RAW, Block, Stage, floats, law
+
+KEYS_IN = "actuators"
+
+PARAMS = np.dtype(
+    [
+        ("order", "i8"),  # 0: no lag, 1, 2
+        ("w", "f8"),  # rad/s
+        ("zeta", "f8"),
+        ("low", "f8"),  # rad about trim
+        ("high", "f8"),
+        ("T", "f8"),  # plant step, s
+        ("part", "f8"),  # of it, at most in one series, s
+        ("count", "i8"),  # of switches of the limit of the rate
+    ]
+)
+STATE = RAW  # y, rad, and y', rad/s, in [0] and [1]; then the switches and the limits of the rate, rad/s
+
+MOST_RADPS = 1e4  # a servo of 1600 Hz; beyond it a plant step of 5 ms takes hundreds of series of second order
+MOST_DAMPING = 10.0
+
+
+class Config(Keys):
+    """How a servo moves."""
+
+    bandwidth_radps: Annotated[Positive, Field(le=MOST_RADPS)] | None = None
+    """bandwidth of a lag of first order; with `damping`, natural frequency of one of second order; up to 10000; `null`
+    is no lag"""
+    damping: Annotated[Positive, Field(le=MOST_DAMPING)] | None = None
+    """damping ratio: makes the lag one of second order; up to 10; `null` is first order"""
+    rate_limit_degps: Positive | None = None
+    """greatest rate of the servo; `null` is none"""
+    min_deg: Annotated[Number, Field(le=0)] | None = None
+    """least position of the servo about trim, <= 0; `null` is none"""
+    max_deg: Annotated[Number, Field(ge=0)] | None = None
+    """greatest position of the servo about trim, >= 0 and above `min_deg`; `null` is none"""
+
+    def problems(self) -> list[Problem]:
+        """Return what is wrong with these keys together."""
+        found = []
+        if self.damping is not None and self.bandwidth_radps is None:
+            expected = "bandwidth_radps next to it, the natural frequency of the lag"
+            found.append(Problem(("damping",), f"{self.damping:g} alone", expected, "add bandwidth_radps, or leave it"))
+        if self.min_deg is not None and self.max_deg is not None and self.min_deg == self.max_deg:
+            found.append(Problem(("max_deg",), "0, and 0 for min_deg", "a servo that can move", "widen one of them"))
+        return found
+
+
+class Slowed(SurfaceFault):
+    """A servo no faster than `rate_degps` on [start_s, end_s)."""
+
+    kind: Literal["rate-limit"] = "rate-limit"
+    """a slow servo"""
+    rate_degps: Positive
+    """greatest rate of the servo, > 0; one that is slower by itself stays so"""
+
+
+FAULT = Slowed
+
+
+@law
+def step(p, s, e, row):
+    """Move the servo by one plant step; the effector gets the mean of where it is in it."""
+    memory = floats(s, 2 * p.count + 3)
+    R = at(memory, 2, p.count, row.t)
+    u, y = e.deflection, memory[0]
+    e.servo = y
+    if p.order == 2:
+        memory[0], memory[1], e.deflection = second_order(y, memory[1], u, p.w, p.zeta, R, p.low, p.high, p.T, p.part)
+    elif p.order == 1 or inf != R:
+        memory[0], e.deflection = first_order(y, u, p.w, R, p.low, p.high, p.T)
+    else:
+        memory[0] = p.low if u < p.low else (p.high if u > p.high else u)
+        e.servo = e.deflection = memory[0]
+
+
+stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection", "servo"])
+
+
+def acts_on(config: Config, given: Given) -> np.ndarray:
+    """Return which effectors have a servo that takes time or has limits, shape (n,)."""
+    return np.array([s.keys is not None and (s.keys.bandwidth_radps, s.keys.min_deg, s.keys.max_deg) != (None,) * 3
+                     for s in servos(config, given)]) | rate_limits(config, given).acts  # fmt: skip
+
+
+def rate_limits(config: Config, given: Given) -> Any:
+    """Return the limit of the rate of each effector in time, rad/s; inf is none."""
+    own = [
+        inf if s.keys is None or s.keys.rate_limit_degps is None else radians(s.keys.rate_limit_degps)
+        for s in servos(config, given)
+    ]
+    return schedule(own, inf, Slowed, lambda R, fault: min(R, radians(fault.rate_degps)), given)
+
+
+def blocks(config: Config, given: Given) -> list[Block]:
+    """Return the servo of each effector; none where all are ideal."""
+    if not acts_on(config, given).any():
+        return []
+    rate, T = rate_limits(config, given), given.plant_step
+    params = np.zeros(len(given.effectors), PARAMS)
+    for p, servo in zip(params, servos(config, given), strict=True):
+        keys = Config() if servo.keys is None else servo.keys
+        w = inf if keys.bandwidth_radps is None else keys.bandwidth_radps
+        p["order"] = 0 if w == inf else 1 if keys.damping is None else 2
+        p["w"], p["zeta"], p["T"] = w, keys.damping or 0.0, T
+        p["part"] = T / ceil(T * w * max(1.0, 2.0 * (keys.damping or 0.0)) / LONGEST) if w != inf else T
+        low = -inf if keys.min_deg is None else radians(keys.min_deg)
+        high = inf if keys.max_deg is None else radians(keys.max_deg)
+        p["low"], p["high"] = (low, high) if servo.sign > 0.0 else (-high, -low)
+    params["count"] = rate.switches
+    return [stage.block(params, np.column_stack([np.zeros((len(params), 2)), rate.table]))]
