@@ -38,7 +38,7 @@ PARAMS = np.dtype(
         ("zeta", "f8"),
         ("low", "f8"),  # rad about trim
         ("high", "f8"),
-        ("T", "f8"),  # plant step, s
+        ("dt", "f8"),  # plant step, s
         ("part", "f8"),  # of it, at most in one series, s
         ("count", "i8"),  # of switches of the limit of the rate
     ]
@@ -95,12 +95,13 @@ def step(p, s, e, row):
     u, y = e.deflection, memory[0]
     e.servo = y
     if p.order == 2:
-        memory[0], memory[1], e.deflection = second_order(y, memory[1], u, p.w, p.zeta, R, p.low, p.high, p.T, p.part)
+        memory[0], memory[1], e.deflection = second_order(y, memory[1], u, p.w, p.zeta, R, p.low, p.high, p.dt, p.part)
     elif p.order == 1 or inf != R:
-        memory[0], e.deflection = first_order(y, u, p.w, R, p.low, p.high, p.T)
+        memory[0], e.deflection = first_order(y, u, p.w, R, p.low, p.high, p.dt)
     else:
         memory[0] = p.low if u < p.low else (p.high if u > p.high else u)
-        e.servo = e.deflection = memory[0]
+        e.deflection = memory[0]
+        e.servo = e.deflection
 
 
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection", "servo"])
@@ -131,7 +132,7 @@ def blocks(config: Config, given: Given) -> list[Block]:
         keys = Config() if servo.keys is None else servo.keys
         w = inf if keys.bandwidth_radps is None else keys.bandwidth_radps
         p["order"] = 0 if w == inf else 1 if keys.damping is None else 2
-        p["w"], p["zeta"], p["T"] = w, keys.damping or 0.0, T
+        p["w"], p["zeta"], p["dt"] = w, keys.damping or 0.0, T
         p["part"] = T / ceil(T * w * max(1.0, 2.0 * (keys.damping or 0.0)) / LONGEST) if w != inf else T
         low = -inf if keys.min_deg is None else radians(keys.min_deg)
         high = inf if keys.max_deg is None else radians(keys.max_deg)
