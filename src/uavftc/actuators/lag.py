@@ -5,9 +5,10 @@ First order:  y' = w (u - y).    Second order:  y'' = w^2 (u - y) - 2 zeta w y'.
 w is `bandwidth_radps` (null: y = u as far as the limits allow), zeta `damping`, R `rate_limit_degps`. The limits act
 as those of limited integrators (`response.py`). Commands are held over a plant step, and the motion is exact for that.
 
-The effector gets the mean of y over the plant step, which is what a plant that holds its inputs over a step needs: the
-impulse is the true one, and the loop is accurate to the second order of the step. The servo itself, y at t_k, is in the
-history as `<effector>_servo_rad`.
+The effector gets what the plant needs for a loop that is accurate to the second order of its step: the mean of y over
+the step on the analytic plant, which holds its inputs over one, and y at the end of the step on JSBSim, which reads the
+surfaces there and integrates by a multi-step rule. The servo itself, y at t_k, is in the history as
+`<effector>_servo_rad`.
 
 A fault of the kind `rate-limit` lowers R to `rate_degps`; a servo that is slower by itself stays so. The memory, y and
 y', goes on after the window with the servo's own limit: from where the servo is it catches up as that allows, and an
@@ -39,6 +40,7 @@ PARAMS = np.dtype(
         ("low", "f8"),  # rad about trim
         ("high", "f8"),
         ("dt", "f8"),  # plant step, s
+        ("end", "f8"),  # 1 where the plant takes the position at its end, 0 for the mean
         ("part", "f8"),  # of it, at most in one series, s
         ("count", "i8"),  # of switches of the limit of the rate
     ]
@@ -89,7 +91,7 @@ FAULT = Slowed
 
 @law
 def step(p, s, e, row):
-    """Move the servo by one plant step; the effector gets the mean of where it is in it."""
+    """Move the servo by one plant step; the effector gets where it is at the end, or the mean."""
     memory = floats(s, 2 * p.count + 3)
     R = at(memory, 2, p.count, row.t)
     u, y = e.deflection, memory[0]
@@ -102,6 +104,8 @@ def step(p, s, e, row):
         memory[0] = p.low if u < p.low else (p.high if u > p.high else u)
         e.deflection = memory[0]
         e.servo = e.deflection
+    if p.end != 0.0:
+        e.deflection = memory[0]
 
 
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection", "servo"])
@@ -132,7 +136,7 @@ def blocks(config: Config, given: Given) -> list[Block]:
         keys = Config() if servo.keys is None else servo.keys
         w = inf if keys.bandwidth_radps is None else keys.bandwidth_radps
         p["order"] = 0 if w == inf else 1 if keys.damping is None else 2
-        p["w"], p["zeta"], p["dt"] = w, keys.damping or 0.0, T
+        p["w"], p["zeta"], p["dt"], p["end"] = w, keys.damping or 0.0, T, given.at_end
         p["part"] = T / ceil(T * w * max(1.0, 2.0 * (keys.damping or 0.0)) / LONGEST) if w != inf else T
         low = -inf if keys.min_deg is None else radians(keys.min_deg)
         high = inf if keys.max_deg is None else radians(keys.max_deg)

@@ -62,6 +62,8 @@ class Given(NamedTuple):
     servos: tuple[Mapping[str, float], ...] = ()
     """What the aircraft's own servo of each effector does, as `aircraft.effectors.SERVO` names it; empty where it moves
     none by itself, or the plant knows of none."""
+    at_end: bool = False
+    """Whether the plant takes a deflection as that at the end of a plant step, and not as held over it."""
     faults: tuple[Any, ...] = ()
     """Entries of the scenario's `faults`, of every kind."""
     damage: tuple[Any, ...] = ()

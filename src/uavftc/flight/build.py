@@ -162,6 +162,7 @@ def given_of(
         sense=layout.sense,
         span_m=span(aircraft),
         servos=own_servos(scenario, model),
+        at_end=plant.takes_end,
         faults=tuple(scenario.faults),
         damage=scenario.damage,
     )

@@ -123,6 +123,8 @@ class AnalyticPlant:
         What strikes the vehicle itself, and at which rows: changes of J.
     """
 
+    takes_end = False
+
     def __init__(
         self,
         inertia: np.ndarray,

@@ -39,6 +39,9 @@ class Plant(Protocol):
     program_substeps: int
     """Plant steps a row that the program takes by itself: all of a compiled plant, 1 of one that drives them."""
 
+    takes_end: bool
+    """Whether it takes a deflection as that at the end of a plant step: else it holds it over the step."""
+
     def before(self) -> list[Block]:
         """Return the blocks that run at the start of a row, before the controller."""
 

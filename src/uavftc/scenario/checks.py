@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.actuators import CHAIN
+from uavftc.actuators import CHAIN, servo_delay
 from uavftc.config.effect import faults
 from uavftc.config.values import AtLeast, Problem, Signal, Window, key_text, window_of
 from uavftc.environment import KINDS
@@ -99,11 +99,12 @@ def _plant_steps(scenario: Scenario) -> list[Problem]:
         expected = f"plant steps of at least {MIN_JSBSIM_STEP_S:g} s on JSBSim, which settles for 5 s before a flight"
         remedy = f"lower it to {int(1 / (rate * MIN_JSBSIM_STEP_S) + 1e-9)}, or lower controller.rate_hz"
         return [Problem(key, found, expected, remedy)]
-    if (delayed := _delay_samples(scenario) * substeps) > MAX_DELAY_STEPS:
-        found = f"{scenario.controller.delay_s:g} s, {delayed:.0f} plant steps"
-        expected = f"at most {MAX_DELAY_STEPS} plant steps between command and surface"
-        remedy = "shorten the delay, or lower controller.rate_hz or simulation.substeps"
-        return [Problem(("controller", "delay_s"), found, expected, remedy)]
+    for at, delay_s in delays(scenario):
+        if (delayed := _samples_of(scenario, delay_s) * substeps) > MAX_DELAY_STEPS:
+            found = f"{delay_s:g} s, {delayed:.0f} plant steps"
+            expected = f"at most {MAX_DELAY_STEPS} plant steps between command and surface"
+            remedy = "shorten the delay, or lower controller.rate_hz or simulation.substeps"
+            return [Problem(at, found, expected, remedy)]
     return []
 
 
@@ -112,14 +113,29 @@ def most_substeps(scenario: Scenario) -> int:
     bounds = [MAX_SUBSTEPS, MAX_PLANT_STEPS // max(1, scenario.steps)]
     if scenario.plant == "jsbsim":
         bounds.append(int(1 / (scenario.controller.rate_hz * MIN_JSBSIM_STEP_S) + 1e-9))
-    if (delay := _delay_samples(scenario)) > 0.0:
+    if (delay := max(_samples_of(scenario, delay_s) for _, delay_s in delays(scenario))) > 0.0:
         bounds.append(int(min(MAX_DELAY_STEPS / delay, MAX_SUBSTEPS)))
     return min(bounds)
 
 
-def _delay_samples(scenario: Scenario) -> float:
+def delays(scenario: Scenario) -> list[tuple[tuple[str | int, ...], float]]:
+    """Return each delay between command and surface, s, with its key: of the loop, of servos, with those of faults."""
+    servos = {None: scenario.actuators, **scenario.actuators.named()}
+    own = {name: 0.0 if keys is None else keys.delay_s for name, keys in servos.items()}
+    return [
+        (("controller", "delay_s"), scenario.controller.delay_s),
+        *((("actuators", *(() if name is None else (name,)), "delay_s"), delay_s) for name, delay_s in own.items()),
+        *(
+            (("faults", i, "delay_s"), own.get(fault.surface, own[None]) + fault.delay_s)
+            for i, fault in enumerate(scenario.faults)
+            if isinstance(fault, servo_delay.FAULT)
+        ),
+    ]
+
+
+def _samples_of(scenario: Scenario, delay_s: float) -> float:
     """Return how many controller steps a command waits; one longer than the flight waits as long as the flight."""
-    samples: float = min(scenario.controller.delay_s, scenario.duration_s) * scenario.controller.rate_hz
+    samples: float = min(delay_s, scenario.duration_s) * scenario.controller.rate_hz
     return samples
 
 

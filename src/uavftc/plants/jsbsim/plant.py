@@ -76,6 +76,8 @@ class JSBSimPlant:
         If the aircraft does not load.
     """
 
+    takes_end = True  # JSBSim moves the vehicle first, then reads the surfaces for the acceleration there
+
     def __init__(
         self,
         aircraft: Aircraft,
