@@ -1,8 +1,8 @@
 """Fly a scenario with a custom effect: all it takes is the line that puts it into its chain.
 
-    python flown.py uavftc.actuators CHAIN first_order_lag effectiveness CONTROLLER FOLDER
+    python flown.py uavftc.actuators CHAIN soft_linkage effectiveness CONTROLLER FOLDER
 
-puts the module `first_order_lag` before `effectiveness` (- is at the end), flies FOLDER/scenario.yaml and writes what
+puts the module `soft_linkage` before `effectiveness` (- is at the end), flies FOLDER/scenario.yaml and writes what
 the tests look at to FOLDER. In a process of its own, because a chain is read once, when the schema is made of it.
 """
 

@@ -40,8 +40,8 @@ def limited(records):
     return np.clip(records["v2"], -0.02, 0.03)
 
 
-class TestFirstOrderLag:
-    CHAIN = ("uavftc.actuators.CHAIN", "first_order_lag")
+class TestSoftLinkage:
+    CHAIN = ("uavftc.actuators.CHAIN", "soft_linkage")
     CONSTANT = (
         "import numpy as np\n"
         "def create(design, h, options):\n"
@@ -56,7 +56,7 @@ class TestFirstOrderLag:
         scenario = (
             f"name: lag\nduration_s: 0.5\nplant: analytic\nsimulation: {{substeps: {substeps}}}\n"
             "controller: {kind: ./constant.py, options: {v2: [0.004, -0.5, 0.002]}}\n"
-            f"{LIMITS}actuators: {{bandwidth_radps: 25}}\n"
+            f"{LIMITS}actuators: {{linkage_radps: 25}}\n"
         )
         records, found = flown(tmp_path, scenario, *self.CHAIN, before="effectiveness")
         assert found.completed
@@ -66,36 +66,50 @@ class TestFirstOrderLag:
 
     def test_it_stands_behind_the_limits_and_filters_the_loop(self, tmp_path):
         # of the limited command, recomputed from the published columns by another filter
-        scenario = f"{HEAD}{LIMITS}actuators: {{bandwidth_radps: 25}}\n"
+        scenario = f"{HEAD}{LIMITS}actuators: {{linkage_radps: 25}}\n"
         wrong = [
-            HEAD + "actuators: {bandwidth_radp: 25}\n",
-            HEAD + "actuators: {bandwidth_radps: 0}\n",
-            HEAD + "actuator: {bandwidth_radps: 25}\n",
+            HEAD + "actuators: {linkage_radp: 25}\n",
+            HEAD + "actuators: {linkage_radps: 0}\n",
+            HEAD + "actuator: {linkage_radps: 25}\n",
         ]
         records, found = flown(tmp_path, scenario, *self.CHAIN, before="effectiveness", wrong=wrong)
         assert found.completed
         names = found.blocks[found.blocks.index("allocation") : found.blocks.index("gather")]
-        assert names[:3] == ["allocation", "saturation", "first_order_lag"]
+        assert names[:3] == ["allocation", "saturation", "soft_linkage"]
         share = 1.0 - np.exp(-25.0 * found.plant_step)
         assert np.abs(limited(records) - records["v2"]).max() > 0.01  # it met the limits
         expected = lfilter([share], [1.0, share - 1.0], limited(records), axis=0)
         np.testing.assert_allclose(records["u2"], expected, rtol=0, atol=1e-15)
-        assert "actuators: {bandwidth_radps: 25.0}" in found.text
-        assert "bandwidth_radps" in found.schema["$defs"]["Actuators"]["properties"]
+        assert "linkage_radps: 25.0" in found.text
+        assert "linkage_radps" in found.schema["$defs"]["Actuators"]["properties"]
         unknown, zero, section = found.refused.values()
-        assert "line 5, key actuators.bandwidth_radp" in unknown
-        assert "the unknown key 'bandwidth_radp'" in unknown
-        assert "expected: one of bandwidth_radps" in unknown
-        assert "did you mean bandwidth_radps?" in unknown
+        assert "line 5, key actuators.linkage_radp" in unknown
+        assert "the unknown key 'linkage_radp'" in unknown
+        assert "linkage_radps, or the name of a surface with a section of its own" in unknown
+        assert "did you mean linkage_radps?" in unknown
         assert "a number greater than 0, rad/s" in zero
         assert "did you mean actuators?" in section
+
+    def test_one_surface_has_its_own_and_the_servo_of_the_project_acts_before_it(self, tmp_path):
+        # the names of effectors take the keys of a new effect too, and each leaves out what it does not change
+        actuators = "actuators: {backlash_deg: 0.1, linkage_radps: 25, rudder: {linkage_radps: null}}\n"
+        records, found = flown(tmp_path, HEAD + LIMITS + actuators, *self.CHAIN, before="effectiveness")
+        names = found.blocks[found.blocks.index("allocation") : found.blocks.index("gather")]
+        assert names[:4] == ["allocation", "saturation", "backlash", "soft_linkage"]
+        play, half = np.zeros_like(records["v2"]), np.radians(0.05)
+        for k, u in enumerate(limited(records)):
+            play[k] = np.clip(play[k - 1] if k else 0.0, u - half, u + half)
+        share = 1.0 - np.exp(-25.0 * found.plant_step)
+        followed = lfilter([share], [1.0, share - 1.0], play, axis=0)
+        np.testing.assert_allclose(records["u2"][:, :2], followed[:, :2], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(records["u2"][:, 2], play[:, 2], rtol=0, atol=1e-15)
 
     def test_without_its_key_it_is_not_there(self, tmp_path):
         # an effect that does nothing costs nothing: no block of it, and the flight is that without it
         records, found = flown(tmp_path, HEAD + LIMITS, *self.CHAIN, before="effectiveness")
-        assert "first_order_lag" not in found.blocks
+        assert "soft_linkage" not in found.blocks
         np.testing.assert_array_equal(records["u2"], limited(records))
-        assert "actuators: {bandwidth_radps: null}" in found.text
+        assert "linkage_radps: null" in found.text
 
 
 class TestJam:
