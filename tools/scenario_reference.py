@@ -143,6 +143,7 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "inner": lambda: table(*(law.Config for law in LOOPS["inner"].KINDS), kinds=True),
     "rbf": lambda: table(Rbf),
     "limits": lambda: table(Limits),
+    "actuators": lambda: table(schema.Actuator),
     "faults": lambda: by_kind(schema.FAULTS),
     "chain": chain,
     "damage": lambda: table(damage.Damage),

@@ -40,7 +40,7 @@ def _weight(value: float) -> float:
     return value
 
 
-_TAKEN = {c.name for c in COLUMNS} | {f"{name}_position_rad" for name in SURFACES}
+_TAKEN = {c.name for c in COLUMNS} | {f"{name}_{kind}_rad" for name in SURFACES for kind in ("position", "servo")}
 
 Property = Annotated[str, AfterValidator(_property)]
 Weight = Annotated[Number, AfterValidator(_weight)]

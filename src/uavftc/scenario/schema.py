@@ -143,7 +143,7 @@ def _chain_sections() -> dict[str, Any]:
         if hasattr(effect, "SECTION")
     }
     if configs(CHAIN, "KEYS_IN", "actuators"):
-        found["actuators"] = (Actuators, Actuators())
+        found["actuators"] = (Actuators, Field(Actuators(), description="[servos](#actuators)"))
     return found
 
 
