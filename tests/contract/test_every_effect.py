@@ -20,7 +20,7 @@ from uavftc.config.effect import config_of
 from uavftc.config.explain import unit_of
 from uavftc.config.values import Model
 from uavftc.control import inner, outer, whole
-from uavftc.control.custom.controller import custom_blocks
+from uavftc.control.custom.controller import custom_controller
 from uavftc.core.given import Given
 from uavftc.core.layout import OWN_GANGS
 from uavftc.core.program import Program
@@ -350,7 +350,7 @@ def test_a_whole_controller_promises_the_same(name: str) -> None:
     # it stands in the place of both loops: made of the design, tried before it flies
     module = __import__(f"{whole.__name__}.{name}", fromlist=["x"])
     assert module.__doc__.strip()
-    (last,) = (block for block in custom_blocks(name, given().design, given().h, {}) if block.name == "custom")
+    (last,) = (block for block in custom_controller(name, given(), {}).blocks if block.name == "custom")
     if not isinstance(last, Block):
         assert callable(module.create(given().design, given().h, {}))
         return

@@ -11,7 +11,7 @@ import pytest
 
 from uavftc import actuators, environment, sensors
 from uavftc.control import allocation, inner, outer
-from uavftc.control.custom import controller
+from uavftc.control.custom import controller, memory
 from uavftc.control.whole import lqi
 from uavftc.core.signals import EFFECTOR, ROW
 from uavftc.core.stage import Stage
@@ -31,7 +31,7 @@ def stages_of(module: ModuleType) -> list[Stage]:
 
 MODULES = (
     *actuators.CHAIN, *environment.KINDS, *sensors.CHAIN, *outer.KINDS, *inner.KINDS, lqi, allocation, envelope,
-    analytic, controller,
+    analytic, controller, memory,
 )  # fmt: skip
 STAGES = {f"{module.__name__}.{stage.python.__name__}": stage for module in MODULES for stage in stages_of(module)}
 BRIDGE = {stage.python.__name__: stage for stage in stages_of(bridge)}

@@ -32,12 +32,27 @@ class Fault(Window):
             del written["known"], written["known_after_s"]
         return written
 
+    @property
+    def known_from_s(self) -> float | None:
+        """When the controller is told of it, s; None where it never is."""
+        return _later(self.start_s, self.known_after_s) if self.known else None
+
+    @property
+    def known_until_s(self) -> float | None:
+        """Until when the controller takes it to last, s, where it is told at all; None is to the end of the flight."""
+        return None if self.end_s is None else _later(self.end_s, self.known_after_s)
+
 
 class SurfaceFault(Fault):
     """A fault of a surface, or of a gang of them."""
 
     surface: SurfaceName
     """`aileron`, `elevator`, `rudder`, or an effector of the aircraft such as `left_aileron`"""
+
+
+def _later(time_s: float, after_s: float) -> float:
+    """Return the sum, rounded to 1 ns: 0.1 + 0.2 is the sample at 0.3 s, not the one after it."""
+    return time_s if after_s == 0.0 else round(time_s + after_s, 9)
 
 
 class Struck(NamedTuple):

@@ -9,6 +9,7 @@ import numpy as np
 
 from uavftc.core.axes import ALL, Controlled
 from uavftc.core.layout import OWN_GANGS, Gangs, Targets, targets_of
+from uavftc.core.signals import SURFACES
 
 
 class ControlDesign(NamedTuple):
@@ -28,6 +29,12 @@ class ControlDesign(NamedTuple):
     """Of the aircraft."""
     axes: Controlled = ALL
     """Whether roll, pitch and yaw are controlled; what is commanded about another axis has no effect."""
+    effectors: tuple[str, ...] = SURFACES
+    """Names of the n effectors, in the order of their positions."""
+    positions_trim_rad: np.ndarray = np.zeros(3)
+    """Position of each effector at trim, as it counts it, shape (n,), rad."""
+    mixing: np.ndarray = np.eye(3)
+    """Position of each effector about trim, as it counts it, per rad of v2, shape (n, 3)."""
 
 
 class Given(NamedTuple):

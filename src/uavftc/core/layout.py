@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from uavftc.core.signals import COLUMNS, SURFACES, Column
+from uavftc.core.signals import COLUMNS, SURFACES, Column, Shape
 
 Gangs = Mapping[str, Mapping[str, float]]
 """The effectors of each axis, by the name of its surface, and the weight of each."""
@@ -19,8 +19,20 @@ OWN_GANGS: Gangs = {name: {name: 1.0} for name in SURFACES}
 """One surface an axis."""
 
 
+class OwnSignal(NamedTuple):
+    """A signal of a custom controller's own: a number or several, which are drawn together."""
+
+    name: str
+    unit: str
+    """As declared: rad/s; 1 where there is none."""
+    columns: tuple[str, ...]
+    """Of the history, one for each number."""
+    labels: tuple[str, ...] = ()
+    """Of each number; empty of a single one."""
+
+
 class Layout(NamedTuple):
-    """Effectors, in their order in a row; n of them, SI and radians."""
+    """Effectors, in their order in a row, n of them, SI and radians; and what else a flight publishes of its own."""
 
     names: tuple[str, ...] = SURFACES
     mixing: np.ndarray = np.eye(3)
@@ -38,6 +50,8 @@ class Layout(NamedTuple):
     """Names of the engines, in their order in a row."""
     servos: tuple[str, ...] = ()
     """Effectors to which the scenario gives a servo that takes time; where it is, is published."""
+    signals: tuple[OwnSignal, ...] = ()
+    """Of a custom controller, in their order in a row."""
 
     @property
     def targets(self) -> Targets:
@@ -45,8 +59,18 @@ class Layout(NamedTuple):
         return targets_of(self.names, self.gangs)
 
     @property
+    def shape(self) -> Shape:
+        """What a row has behind its head."""
+        return Shape(len(self.names), len(self.engines), sum(len(signal.columns) for signal in self.signals))
+
+    @property
+    def shown_sign(self) -> np.ndarray:
+        """Of the position that is published, per that of the row, shape (n,): 1 or -1."""
+        return np.where(self.position_sign == 0.0, 1.0, self.position_sign)
+
+    @property
     def columns(self) -> tuple[Column, ...]:
-        """Columns of the history of this aircraft: the common ones, and those of its effectors.
+        """Columns of the history of this aircraft: the common ones, those of its effectors, a controller's own.
 
         Of an effector that has the name of an axis' surface, the position is published where it reports one; of any
         other its command and its position, trim included, counted as the aircraft counts them. A servo is counted as
@@ -54,7 +78,7 @@ class Layout(NamedTuple):
         """
         own = []
         for j, name in enumerate(self.names):
-            sign = self.position_sign[j] or 1.0
+            sign = float(self.shown_sign[j])
             if name not in SURFACES:
                 own.append(Column(f"{name}_cmd_rad", "command", None, j, sign, float(self.trim_rad[j])))
                 own.append(Column(f"{name}_rad", "position", None, j, sign))
@@ -63,7 +87,8 @@ class Layout(NamedTuple):
             if name in self.servos:
                 about = (1.0, 0.0) if name in SURFACES else (sign, float(self.trim_rad[j]))
                 own.append(Column(f"{name}_servo_rad", "servo", None, j, *about))
-        return (*COLUMNS, *own)
+        names = [name for signal in self.signals for name in signal.columns]
+        return (*COLUMNS, *own, *(Column(name, "signals", i) for i, name in enumerate(names)))
 
 
 def targets_of(names: Sequence[str], gangs: Gangs) -> Targets:

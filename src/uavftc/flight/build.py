@@ -16,15 +16,17 @@ from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.aircraft.definition import Aircraft, load_aircraft
 from uavftc.config.effect import Effect, config_of
 from uavftc.control import allocation, uncontrolled
-from uavftc.control.custom.controller import custom_blocks
+from uavftc.control.custom.controller import Custom, custom_controller
+from uavftc.control.custom.measured import Aboard
 from uavftc.core.axes import Controlled
 from uavftc.core.flow import check_flow
 from uavftc.core.given import ControlDesign, Given
 from uavftc.core.layout import Layout, targets_of
 from uavftc.core.program import Program
 from uavftc.core.signals import Column, Shape
-from uavftc.core.stage import Block, PythonBlock, params_of
+from uavftc.core.stage import Block, params_of
 from uavftc.flight import envelope
+from uavftc.flight.aboard import aboard_of
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
 from uavftc.flight.damaged import refuse_damage
 from uavftc.flight.defaults import resolved
@@ -60,7 +62,9 @@ class Flight:
     steps: int
     """Controller steps N; the history has N + 1 rows."""
     layout: Layout
-    """The effectors of the aircraft."""
+    """The effectors of the aircraft, and the signals of its controller."""
+    controller: Custom
+    """Its blocks, and what else it brings."""
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -70,7 +74,11 @@ class Flight:
     @property
     def shape(self) -> Shape:
         """What its rows have behind their head."""
-        return Shape(len(self.layout.names), len(self.layout.engines))
+        return self.layout.shape
+
+    def remarks(self) -> list[str]:
+        """Return what its controller is worth a warning for, once it is flown."""
+        return self.controller.remarks()
 
 
 def build_flight(scenario: Scenario) -> Flight:
@@ -104,21 +112,29 @@ def build_flight(scenario: Scenario) -> Flight:
         airspeed_min=scenario.envelope.min_airspeed_mps,
         airspeed_max=scenario.envelope.max_airspeed_mps,
     )
+    layout = layout._replace(servos=published(scenario.actuators, given))
+    controller = controller_of(scenario, given, aboard_of(scenario, given, model, layout))
+    layout = layout._replace(signals=controller.signals)
     sample = [
         *plant.before(),
         *chain_blocks([kind for kind in environment.KINDS if hasattr(kind, "blocks")], scenario, given),
         *chain_blocks(sensors.CHAIN, scenario, given),
-        *controller_blocks(scenario, given),
+        *controller.blocks,
         *uncontrolled.blocks(given),
         envelope.stage.block(watch),
         *plant.given(),
     ]
     allocate, gather = allocation.blocks(given)
-    plant_step = [allocate, *chain_blocks(actuators.CHAIN, scenario, given), gather, *plant.after()]
-    layout = layout._replace(servos=published(scenario.actuators, given))
+    plant_step = [
+        allocate,
+        *chain_blocks(actuators.CHAIN, scenario, given),
+        gather,
+        *controller.plant_step,
+        *plant.after(),
+    ]
     check_flow([*sample, *plant_step])
     program = Program(sample, plant_step, substeps=plant.program_substeps)
-    return Flight(scenario, aircraft, model, plant, program, inputs, watch, given, scenario.steps, layout)
+    return Flight(scenario, aircraft, model, plant, program, inputs, watch, given, scenario.steps, layout, controller)
 
 
 def chain_blocks(chain: Sequence[Effect], scenario: Scenario, given: Given) -> list[Block]:
@@ -126,15 +142,17 @@ def chain_blocks(chain: Sequence[Effect], scenario: Scenario, given: Given) -> l
     return [block for effect in chain for block in effect.blocks(config_of(effect, scenario), given)]
 
 
-def controller_blocks(scenario: Scenario, given: Given) -> list[Block | PythonBlock]:
-    """Return the controller as blocks: outer and inner loop, or a custom module."""
+def controller_of(scenario: Scenario, given: Given, aboard: Aboard) -> Custom:
+    """Return the controller: outer and inner loop, or a custom module."""
     controller = scenario.controller
     if isinstance(controller, CustomController):
-        return custom_blocks(controller.kind, given.design, given.h, controller.options, timeout_s=controller.timeout_s)
+        return custom_controller(
+            controller.kind, given, controller.options, aboard=aboard, timeout_s=controller.timeout_s
+        )
     loops = [
         (kinds(part)[loop.kind], loop) for part, loop in (("outer", controller.outer), ("inner", controller.inner))
     ]
-    return [block for law, loop in loops for block in law.blocks(loop, given)]
+    return Custom([block for law, loop in loops for block in law.blocks(loop, given)], [])
 
 
 def given_of(
@@ -238,4 +256,15 @@ def control_design(
     limits = axis_limits(each, layout.mixing)
     for j in np.flatnonzero(np.logical_not(axes)):
         B[:, j], limits[j] = 0.0, 0.0
-    return ControlDesign(A, B, limits, np.array(plant.x1_trim), aircraft.name, axes)
+    sign = layout.shown_sign
+    return ControlDesign(
+        A,
+        B,
+        limits,
+        np.array(plant.x1_trim),
+        aircraft.name,
+        axes,
+        layout.names,
+        sign * layout.trim_rad,
+        sign[:, None] * layout.mixing,
+    )

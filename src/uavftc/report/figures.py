@@ -18,6 +18,7 @@ from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG as BAND_DEG
 from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
 from uavftc.report.panels import BLACK, BLUE, GREEN, PURPLE, SKY, VERMILLION
+from uavftc.report.signals_figure import custom
 from uavftc.results.context import FaultWindow, FigureContext
 
 ANGLES, RATES = ("phi", "theta", "psi"), ("p", "q", "r")
@@ -29,7 +30,7 @@ History = Mapping[str, np.ndarray]
 
 
 def write_figures(folder: Path, history: History, context: FigureContext) -> list[Path]:
-    """Write tracking.png, control.png, estimates.png and, if there is an airspeed, air.png; return their paths.
+    """Write tracking.png, control.png, estimates.png; with an airspeed air.png, with own signals custom.png.
 
     Parameters
     ----------
@@ -44,6 +45,8 @@ def write_figures(folder: Path, history: History, context: FigureContext) -> lis
     }  # fmt: skip
     if np.isfinite(history.get("airspeed_mps", np.empty(0))).any():
         draw["air"] = air
+    if context.signals:
+        draw["custom"] = lambda history, context: custom(history, context, merged(context.faults))
     folder.mkdir(exist_ok=True)
     paths = []
     with panels.style():
@@ -94,7 +97,8 @@ def control(history: History, context: FigureContext) -> Figure:
 
     Below, where an aircraft has other effectors than the surfaces of the axes, one panel for each.
     """
-    t, others = history["time_s"], effectors_of(history)
+    own = {name for signal in context.signals for name in signal.columns}
+    t, others = history["time_s"], effectors_of({name: y for name, y in history.items() if name not in own})
     rows = 3 + (len(others) + 1) // 2
     fig, axes = panels.new_figure(context.title, rows, 2, (11.0, 8.6 + 2.6 * (rows - 3)))
     panels.fit_t(axes[0, 0], t)
@@ -119,7 +123,7 @@ def control(history: History, context: FigureContext) -> Figure:
                 right, t, deg(history, f"{surface}_rad"), color=BLUE, label="after limits and faults", linewidth=1.3
             ),
         ]
-        windows = [w[1:] for w in context.faults if w.surface == surface]
+        windows = [w[1:4] for w in context.faults if w.surface == surface]
         drawn += panels.limits(right, drawn, limits_deg(context, surface))
         panels.fit_y(right, drawn, least=0.2, headroom=panels.shade(right, windows, name="fault"))
         name_panel(right, 2 * i + 1, surface, "deflection [deg]")
@@ -130,7 +134,7 @@ def control(history: History, context: FigureContext) -> Figure:
             panels.curve(ax, t, deg(history, f"{name}_cmd_rad"), **look),
             panels.curve(ax, t, deg(history, f"{name}_rad"), color=SKY, label="position", linewidth=1.3),
         ]
-        windows = [w[1:] for w in context.faults if w.surface == name]
+        windows = [w[1:4] for w in context.faults if w.surface == name]
         drawn += panels.limits(ax, drawn, limits_deg(context, name))
         panels.fit_y(ax, drawn, least=0.2, headroom=panels.shade(ax, windows, name="fault"))
         name_panel(ax, 6 + k, name.replace("_", " "), "position [deg]")
@@ -176,7 +180,7 @@ def estimates(history: History, context: FigureContext) -> Figure:
         )
         panels.fit_y(actuator, [effect, np.array([0.0, 1.0])], least=1.0)
         name_panel(actuator, 3 * i + 2, surface, r"$\omega$ [-]")
-        panels.shade(actuator, [w[1:] for w in context.faults if w.surface == surface], name="fault", written=False)
+        panels.shade(actuator, [w[1:4] for w in context.faults if w.surface == surface], name="fault", written=False)
     panels.legends(axes)
     return fig
 

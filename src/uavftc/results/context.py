@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from uavftc.core.axes import ALL, Controlled
+from uavftc.core.layout import OwnSignal
 
 
 class FaultWindow(NamedTuple):
@@ -19,6 +20,13 @@ class FaultWindow(NamedTuple):
     start_s: float
     end_s: float
     label: str
+    known_from_s: float | None = None
+    """When the controller is told of it; None where it never is. It knows of the end as late."""
+
+    @property
+    def known_until_s(self) -> float | None:
+        """Until when the controller takes it to last; None where it is never told."""
+        return None if self.known_from_s is None else self.end_s + (self.known_from_s - self.start_s)
 
 
 @dataclass(frozen=True)
@@ -36,3 +44,5 @@ class FigureContext:
     """Whether roll, pitch and yaw are controlled; another axis has neither reference nor command."""
     wind: bool = False
     """Whether the scenario has wind; without it, the figure of the air shows the throttle in its place."""
+    signals: Sequence[OwnSignal] = ()
+    """A custom controller's own, each with a panel in custom.png."""

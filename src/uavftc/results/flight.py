@@ -94,6 +94,7 @@ class FlightResult(NamedTuple):
                     fault.start_s,
                     end if fault.end_s is None else fault.end_s,
                     own + fault.label,
+                    fault.known_from_s,
                 )
                 for fault in faults
                 if hasattr(fault, "surface")
@@ -102,6 +103,7 @@ class FlightResult(NamedTuple):
             disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
             controlled=controlled_of(self.axes),
             wind=Inputs(scenario, np.zeros(3)).acts_on("wind_n"),
+            signals=self.layout.signals,
         )
 
     def _limits(self) -> dict[str, tuple[float, float] | None]:
@@ -148,7 +150,7 @@ def notes_of(flight: Flight) -> tuple[str, ...]:
     """Return what is worth knowing about the aircraft, its axes, servos and files where read, one line each."""
     files = () if flight.model is None else tuple(notes(flight.aircraft, flight.model))
     asked = (*named.remarks(flight.scenario, flight.given), *servos.remarks(flight.scenario, flight.given))
-    return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *asked, *files)
+    return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *asked, *flight.remarks(), *files)
 
 
 def coarse(flight: Flight) -> list[str]:

@@ -6,7 +6,7 @@ What a step returns is read in one place, at the trial as in flight: what is ref
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
@@ -21,7 +21,13 @@ CREATE, STEP, PARAMETERS = "create(design, h, options)", "step(t, x1_c, x1, x2)"
 """The functions of a controller, as messages show them."""
 
 TELEMETRY = ("v1", "d1_hat", "f_hat")
-"""What a step may return beside its command."""
+"""What a step may return beside its command and without declaring it."""
+
+THREE: Mapping[str, int] = dict.fromkeys(TELEMETRY, 3)
+"""How many numbers of each; 0 of one that is a number and no list."""
+
+_MANY_NAMES = 10  # of telemetry that is not recorded, which a warning lists
+_WORDS = {0: "a number", 3: "three numbers"}
 
 COMMAND = "three numbers as v2, rad: aileron, elevator, rudder about trim"
 """The command of a step, as an error says what was expected."""
@@ -36,8 +42,8 @@ class WrongResultError(Exception):
         self.found, self.expected = found, expected
 
 
-def require(function: Any, file: str, expected: str, what: str | None = None) -> None:
-    """Refuse what is not a function of the arguments in `expected`."""
+def require(function: Any, file: str, expected: str, what: str | None = None, named: Sequence[str] = ()) -> None:
+    """Refuse what is not a function of the arguments in `expected`, and of those `named`."""
     name, _, rest = expected.partition("(")
     what = what or name
     remedy = f"define {expected}" if what == name else f"return a function {expected}"
@@ -54,7 +60,7 @@ def require(function: Any, file: str, expected: str, what: str | None = None) ->
             raise
         return
     try:
-        signature.bind(*rest.rstrip(")").split(", "))
+        signature.bind(*rest.rstrip(")").split(", "), **dict.fromkeys(named))
     except TypeError as error:
         raise InputError(
             f"{file}, {name}", found=readable(f"{name}{written}: {error}"), expected=expected, remedy=remedy
@@ -62,7 +68,12 @@ def require(function: Any, file: str, expected: str, what: str | None = None) ->
 
 
 def call(
-    function: Callable[..., Any], arguments: tuple[Any, ...], file: str, name: str, guard: Guard | None = None
+    function: Callable[..., Any],
+    arguments: tuple[Any, ...],
+    file: str,
+    name: str,
+    guard: Guard | None = None,
+    **named: Any,
 ) -> Any:
     """Return what the user's function returns; what it raises is reported with its line in the user's file.
 
@@ -76,7 +87,9 @@ def call(
     watch = guard or Guard()
     try:
         with watch.armed():
-            return function(*arguments) if guard is None else guard.timed(function, *arguments)
+            if guard is None:
+                return function(*arguments, **named)
+            return guard.timed(function, *arguments, **named)
     except Overdue as error:
         raise InputError(
             f"{file}, {name}",
@@ -106,30 +119,48 @@ def overdue(error: Overdue, file: str, guard: Guard) -> str:
     return f"{STEP} took longer than controller.timeout_s, {guard.timeout_s:g} s{f'; {at}' if at else ''}"
 
 
-def outputs(result: Any) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return v2, and by its name the telemetry of what a step returned, shape (3,) each, float64.
+def outputs(
+    result: Any, sizes: Mapping[str, int] = THREE, unrecorded: set[str] | None = None
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return v2, shape (3,), and by its name the telemetry of what a step returned, shape (n,) each, float64.
+
+    Parameters
+    ----------
+    result
+        What the step returned.
+    sizes
+        How many numbers each name has in the telemetry; 0 of one that is a number and no list.
+    unrecorded
+        Takes the names that are not among them.
 
     Raises
     ------
     WrongResultError
-        If one of them is not three real numbers; they may be infinite or nan.
+        If one of them is not so many real numbers; they may be infinite or nan.
     """
     telemetry: dict[str, Any] = {}
     if type(result) is tuple and len(result) == 2 and isinstance(result[1], dict):
         result, telemetry = result
-    v2 = _numbers(result, COMMAND)
-    given = {name: dict.get(telemetry, name, _NOTHING) for name in TELEMETRY} if telemetry else {}
-    return v2, {
-        name: _numbers(value, f"three numbers as {name}") for name, value in given.items() if value is not _NOTHING
-    }
+    v2 = _numbers(result, 3, COMMAND)
+    found = {}
+    if telemetry:
+        for name, size in sizes.items():
+            if (value := dict.get(telemetry, name, _NOTHING)) is not _NOTHING:
+                found[name] = _numbers(value, size, name)
+        if unrecorded is not None and len(found) < dict.__len__(telemetry) and len(unrecorded) < _MANY_NAMES:
+            unknown = [key for key in dict.keys(telemetry) if type(key) is not str or key not in sizes]
+            unrecorded.update(shown(key) for key in unknown[:_MANY_NAMES])
+    return v2, found
 
 
-def _numbers(value: Any, expected: str) -> np.ndarray:
-    """Return three real numbers as float64."""
-    if type(value) is np.ndarray and value.shape == (3,) and value.dtype == np.float64:
+def _numbers(value: Any, size: int, expected: str) -> np.ndarray:
+    """Return so many real numbers as float64; one where `size` is 0. `expected` is said in words, or a name."""
+    if type(value) is np.ndarray and value.shape == (size,) and value.dtype == np.float64:
         return value
+    if expected is not COMMAND:
+        expected = f"{_WORDS.get(size, f'{size} numbers')} as {expected}"
     try:
-        found = _three(value)
+        found = _several(value, size)
     except (KeyboardInterrupt, Overdue):
         raise
     except BaseException as error:
@@ -140,19 +171,21 @@ def _numbers(value: Any, expected: str) -> np.ndarray:
     return found
 
 
-def _three(value: Any) -> np.ndarray | None:
-    """Return three real numbers as float64, shape (3,), or None where it is anything else; raises what `value` does."""
+def _several(value: Any, size: int) -> np.ndarray | None:
+    """Return so many real numbers as float64, or None where it is anything else; raises what `value` does."""
     kind = type(value)
+    if size == 0:
+        return None if (number := _real(value)) is None else np.array([number])
     if isinstance(value, np.ndarray) or hasattr(kind, "__array__"):
         array = np.asarray(value)
-        good = array.shape == (3,) and array.dtype.kind in "iuf"
+        good = array.shape == (size,) and array.dtype.kind in "iuf"
         return array.astype(np.float64) if good else None
     is_sequence = hasattr(kind, "__len__") and hasattr(kind, "__getitem__") and not hasattr(kind, "keys")
     if not is_sequence or issubclass(kind, str | bytes | bytearray):
         return None
-    items: Iterable[Any] = islice(iter(value), 4)  # one that never ends is no three numbers either
+    items: Iterable[Any] = islice(iter(value), size + 1)  # one that never ends is no three numbers either
     numbers = [_real(item) for item in items]
-    return np.array(numbers, dtype=np.float64) if len(numbers) == 3 and None not in numbers else None
+    return np.array(numbers, dtype=np.float64) if len(numbers) == size and None not in numbers else None
 
 
 def _real(value: Any) -> float | None:

@@ -1,8 +1,8 @@
 """A custom controller, both loops in one module; docs/custom-controller.md describes it.
 
-In plain Python the module defines ``create(design, h, options)``, which returns ``step(t, x1_c, x1, x2)``. Compiled, it
-defines PARAMS, STATE, ``stage`` and ``params(design, h, options)`` as the laws of this project do. Both are tried on a
-copy before they fly; what is wrong with them is reported as the user's error.
+In plain Python the module defines ``create(design, h, options)``, which returns ``step(t, x1_c, x1, x2)`` (`plain.py`).
+Compiled, it defines PARAMS, STATE, ``stage`` and ``params(design, h, options)`` as the laws of this project do. Both
+are tried on a copy before they fly; what is wrong with them is reported as the user's error.
 """
 
 from __future__ import annotations
@@ -10,48 +10,72 @@ from __future__ import annotations
 import copy
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 
-from uavftc.control.custom.checks import (
-    COMMAND,
-    CREATE,
-    PARAMETERS,
-    STEP,
-    TELEMETRY,
-    WrongResultError,
-    call,
-    outputs,
-    overdue,
-    require,
-)
-from uavftc.control.custom.guard import Guard, Overdue
+from uavftc.control.custom.checks import CREATE, PARAMETERS, STEP, TELEMETRY, call, require
+from uavftc.control.custom.guard import Guard
+from uavftc.control.custom.measured import Aboard, recalled
+from uavftc.control.custom.memory import memory
 from uavftc.control.custom.module import attribute, failed, load
-from uavftc.control.custom.text import described, readable, shown
+from uavftc.control.custom.plain import TRIAL_RAD, plain
+from uavftc.control.custom.text import shown
 from uavftc.core.given import ControlDesign
+from uavftc.core.given import Given as Flight
+from uavftc.core.layout import OwnSignal
 from uavftc.core.program import RAISED, STATUS_SET, Program, run_in_python
 from uavftc.core.signals import ROW, as_records, empty_rows
-from uavftc.core.stage import COMPILED, RAW, Block, PythonBlock, Stage, StepFailed, law
+from uavftc.core.stage import COMPILED, RAW, Block, PythonBlock, Stage, law
 from uavftc.errors import InputError
 
 TIMEOUT_S = 10.0
-_TRIAL_RAD = 0.01  # commanded change of attitude of the trial: small against any limit
 _WRITTEN = ("v2", *TELEMETRY)  # what of the row is a controller's
+READABLE = (
+    "t", "x1_c", "x1_meas", "x2_meas", "u2", "airspeed", "altitude", "alpha", "beta", "throttle", "qbar", "load_factor",
+)  # fmt: skip
+"""Of the row, what a compiled controller may say that it reads, beside what it writes."""
 
 
-def custom_blocks(
-    kind: str, design: ControlDesign, h: float, options: Mapping[str, Any], timeout_s: float = TIMEOUT_S
-) -> list[Block | PythonBlock]:
-    """Return the controller of a module as blocks, after a trial.
+class Custom(NamedTuple):
+    """A custom controller, ready to fly."""
+
+    blocks: list[Block | PythonBlock]
+    """Of the sample."""
+    plant_step: list[Block]
+    """Of the plant step, behind the actuators; empty unless something of the row before is asked for."""
+    signals: tuple[OwnSignal, ...] = ()
+    """Its own, in their order in a row."""
+    unrecorded: set[str] = set()  # noqa: RUF012 - each that is filled is its own
+    """Names of telemetry that it returned without declaring it, as a message shows them; filled in flight too."""
+
+    def remarks(self) -> list[str]:
+        """Return what is worth a warning about it."""
+        if not self.unrecorded:
+            return []
+        names = ", ".join(sorted(self.unrecorded))
+        return [f"the controller returned {names} without declaring it: not recorded (docs/custom-controller.md)"]
+
+
+def custom_controller(
+    kind: str,
+    flight: Flight,
+    options: Mapping[str, Any],
+    *,
+    aboard: Aboard | None = None,
+    timeout_s: float = TIMEOUT_S,
+) -> Custom:
+    """Return the controller of a module, after a trial.
 
     Parameters
     ----------
     kind
         What `module.load` takes; a path is absolute.
-    design, h, options
-        Given to the module, copied each time: the design, the sample time, s, and the user's options.
+    flight, options
+        The design, the sample time and the user's options are given to the module, copied each time.
+    aboard
+        What its step may ask for; by default what a flight without air has.
     timeout_s
         How long a step in plain Python may take, s, at the trial and in flight.
 
@@ -67,17 +91,29 @@ def custom_blocks(
         raise InputError(file, found=found, expected="one of them: plain Python or compiled", remedy=remedy)
 
     def given() -> tuple[ControlDesign, float, dict[str, Any]]:
-        return copy.deepcopy(design), h, copy.deepcopy(dict(options))
+        return copy.deepcopy(flight.design), flight.h, copy.deepcopy(dict(options))
 
     if create is None and (stage is not None or attribute(module, "PARAMS", file) is not None):
-        return [unknown.block(name="unknown"), _compiled(module, file, given), untouched.block(name="untouched")]
+        block = _compiled(module, file, given)
+        recall, keep = _kept(flight, "u2" in (block.stage.reads or ()))
+        return Custom([unknown.block(name="unknown"), *recall, block, untouched.block(name="untouched")], keep)
     if create is None:
         found = "neither create nor PARAMS, STATE, stage and params"
         expected = f"the function {CREATE}, which returns {STEP}"
         raise InputError(
             file, found=found, expected=expected, remedy="see docs/custom-controller.md, or pid, for a template"
         )
-    return [unknown.block(name="unknown"), _python(create, file, given, Guard(timeout_s))]
+    made = plain(create, file, given, aboard or Aboard.of(flight), Guard(timeout_s))
+    recall, keep = _kept(flight, recalled(made.asked))
+    return Custom([unknown.block(name="unknown"), *recall, made.block], keep, made.signals, made.unrecorded)
+
+
+def _kept(flight: Flight, is_asked: bool) -> tuple[list[Block], list[Block]]:
+    """Return the blocks that keep what belongs to the row before, of the sample and of the plant step."""
+    if not is_asked:
+        return [], []
+    both = memory(flight)
+    return [both.recall], [both.keep]
 
 
 def positive_options(options: Mapping[str, Any], **defaults: float) -> dict[str, float]:
@@ -124,64 +160,6 @@ def _is_stage(value: object) -> bool:
     return issubclass(type(value), Stage)
 
 
-# --- plain Python ----------------------------------------------------------------------------------------------------
-
-
-def _python(create: Any, file: str, given: Callable[[], tuple[ControlDesign, float, Any]], guard: Guard) -> PythonBlock:
-    require(create, file, CREATE)
-    require(call(create, given(), file, CREATE), file, STEP, f"what {CREATE} returned")
-    step = _read(call(create, given(), file, CREATE))
-    design, h, _ = given()
-    for k in range(2):
-        x1_c, x1, x2 = design.x1_trim + _TRIAL_RAD, design.x1_trim.copy(), np.zeros(3)
-        v2, _ = call(step, (k * h, x1_c, x1, x2), file, STEP, guard)
-        if not np.isfinite(v2).all():
-            raise InputError(
-                f"{file}, {STEP}",
-                found=shown(v2),
-                expected=COMMAND,
-                remedy="return v2, or (v2, {'v1': ...})",
-            )
-    fresh = call(create, given(), file, CREATE)  # the trial leaves no trace
-    return PythonBlock("custom", _in_flight(_read(fresh), file, guard), guard.armed)
-
-
-def _read(step: Callable[..., Any]) -> Callable[..., tuple[np.ndarray, dict[str, np.ndarray]]]:
-    """Return the step with its result read: what a result does when it is looked at, it does inside the step."""
-    return lambda *arguments: outputs(step(*arguments))
-
-
-def _columns(field: str) -> slice:
-    start = ROW.fields[field][1] // 8  # type: ignore[index]
-    return slice(start, start + 3)
-
-
-def _in_flight(
-    step: Callable[..., tuple[np.ndarray, dict[str, np.ndarray]]], file: str, guard: Guard
-) -> Callable[[np.ndarray], None]:
-    x1_c, x1, x2, command = _columns("x1_c"), _columns("x1_meas"), _columns("x2_meas"), _columns("v2")
-    columns = {name: _columns(name) for name in TELEMETRY}
-
-    def at_sample(row: np.ndarray) -> None:
-        seen = row.copy()  # the controller may keep or change what it is given; the row is the history
-        try:
-            row[command], telemetry = guard.timed(step, seen.item(0), seen[x1_c], seen[x1], seen[x2])
-            for name, value in telemetry.items():
-                row[columns[name]] = value
-            return
-        except Overdue as error:
-            why = overdue(error, file, guard)
-        except WrongResultError as wrong:
-            why = f"{file}: {STEP} returned {wrong.found}, expected {wrong.expected}"
-        except BaseException as error:
-            if guard.is_users(error):
-                raise
-            why = described(error, file)
-        raise StepFailed(readable(f"the controller failed: {why}"))
-
-    return at_sample
-
-
 # --- compiled --------------------------------------------------------------------------------------------------------
 
 
@@ -199,6 +177,13 @@ def _compiled(module: Any, file: str, given: Callable[[], tuple[ControlDesign, f
             found="no stage" if stage is None else f"stage: {shown(stage)}",
             expected="stage, a uavftc.core.stage.Stage of PARAMS and STATE",
             remedy="define stage = Stage(step, PARAMS, STATE)",
+        )
+    if others := sorted((stage.reads or frozenset()) - {*READABLE, *_WRITTEN}):
+        raise InputError(
+            f"{file}, stage",
+            found=f"reads: {', '.join(others)}",
+            expected=f"of {', '.join(READABLE)} what the law reads",
+            remedy="read what is measured; the rest is the truth of the simulation, or belongs to the row before",
         )
     params, state = attribute(module, "params", file), attribute(module, "state", file)
     require(params, file, PARAMETERS)
@@ -235,7 +220,7 @@ def _try_compiled(fresh: Callable[[], Block], file: str, given: Callable[[], tup
     rows = empty_rows(2)
     trial, (design, h, _) = as_records(rows), given()
     trial["t"] = 0.0, h
-    trial["x1_c"], trial["x1"], trial["x1_meas"] = design.x1_trim + _TRIAL_RAD, design.x1_trim, design.x1_trim
+    trial["x1_c"], trial["x1"], trial["x1_meas"] = design.x1_trim + TRIAL_RAD, design.x1_trim, design.x1_trim
     before = trial.copy()
     blocks = [fresh(), untouched.block(name="untouched")]
     ended = call(lambda: Program(blocks).run(rows, 0, 2), (), file, "stage")

@@ -76,7 +76,7 @@ class Guard:
         """Return whether an error is a Ctrl-C of the user, not a KeyboardInterrupt that the code raised by itself."""
         return isinstance(error, KeyboardInterrupt) and self._pressed
 
-    def timed(self, function: Callable[..., Any], *arguments: Any) -> Any:
+    def timed(self, function: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
         """Return what the function returns.
 
         Raises
@@ -86,7 +86,7 @@ class Guard:
         """
         self._since = time.monotonic()
         try:
-            result = function(*arguments)
+            result = function(*arguments, **named)
         except BaseException as error:
             if self._is_overdue() and not self.is_users(error) and not isinstance(error, Overdue):
                 raise Overdue from None

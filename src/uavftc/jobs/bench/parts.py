@@ -12,7 +12,7 @@ import numpy as np
 from uavftc.core.program import Program
 from uavftc.core.signals import empty_rows
 from uavftc.core.stage import Block, PythonBlock
-from uavftc.flight.build import build_flight, controller_blocks
+from uavftc.flight.build import build_flight
 from uavftc.flight.recorder import MemoryRecorder
 from uavftc.jobs.bench.flights import flown, jsbsim_plant, scenario
 from uavftc.jobs.bench.measure import Figure, Job, alternately, computed, of, timed
@@ -33,8 +33,7 @@ def controller_step_us(rounds: int) -> Figure:
 
 def _controller_blocks() -> list[Block | PythonBlock]:
     """Return the controller of scenario 3, at its start."""
-    flight = build_flight(scenario("scenario3", plant="jsbsim"))
-    return controller_blocks(flight.scenario, flight.given)
+    return build_flight(scenario("scenario3", plant="jsbsim")).controller.blocks
 
 
 def _one_by_one(program: Program, rows: np.ndarray) -> float:
