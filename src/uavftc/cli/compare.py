@@ -25,6 +25,15 @@ def compare(
             metavar="LIST", help="Controllers, separated by commas (nndondi-l1,pid,./my.py); default: the scenario's."
         ),
     ] = None,
+    variants: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            "--variant",
+            metavar="NAME:KEY=VALUE",
+            help="Fly the first controller again with a key changed, such as fast:controller.inner.filter_bandwidth=120"
+            " or k6:controller.options.k=6; several of one name are one variant.",
+        ),
+    ] = None,
     aircraft: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(help="Name of a shipped aircraft, or the folder of one."),
@@ -53,7 +62,12 @@ def compare(
     from uavftc.scenario.load import find_scenario  # noqa: PLC0415
 
     loaded = load_combinations(
-        scenario, plants=plants, controllers=controllers, aircraft=aircraft, overrides=overrides or ()
+        scenario,
+        plants=plants,
+        controllers=controllers,
+        aircraft=aircraft,
+        overrides=overrides or (),
+        variants=variants or (),
     )
     first = next(iter(loaded.values()))
     folder = out if out is not None else default_folder(first.name, aircraft)

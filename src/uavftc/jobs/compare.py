@@ -13,6 +13,7 @@ from typing import Any, get_args
 from uavftc.control.custom.module import is_path, is_there, registered
 from uavftc.errors import InputError
 from uavftc.jobs.campaign.pool import fly_one
+from uavftc.jobs.variants import variants_of
 from uavftc.report.distance import distance
 from uavftc.report.side_by_side import markdown, tidy_csv, title_of
 from uavftc.results.flight import FlightResult
@@ -25,7 +26,17 @@ from uavftc.scenario.schema import Scenario
 PLANTS: tuple[str, ...] = get_args(Scenario.model_fields["plant"].annotation)
 
 Key = tuple[str, str]
-"""(plant, controller)."""
+"""(plant, controller); of a variant, its name in place of the controller's."""
+
+
+class Combinations(dict[Key, Scenario]):
+    """Scenarios by plant and controller, and what the variants among them change."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.variants: dict[str, dict[str, Any]] = {}
+        """By the name of the variant: `of`, the controller, and `changes`, KEY=VALUE each."""
+
 
 Progress = Callable[[int], AbstractContextManager[Callable[[int], None]]]
 """Given the number of flights, a context that yields a function to call with the flights flown so far."""
@@ -38,7 +49,8 @@ def load_combinations(
     controllers: str | None = None,
     aircraft: str | None = None,
     overrides: Sequence[str] = (),
-) -> dict[Key, Scenario]:
+    variants: Sequence[str] = (),
+) -> Combinations:
     """Return the scenario for every combination of plant and controller, checked, in the order of the lists.
 
     Parameters
@@ -47,6 +59,8 @@ def load_combinations(
         As `scenario.load.load_scenario` takes them.
     plants, controllers
         Names with commas between them, as `--controller` takes them; controllers None is that of the scenario.
+    variants
+        As `variants.variants_of` takes them; each is flown on every plant too.
 
     Raises
     ------
@@ -55,14 +69,15 @@ def load_combinations(
     """
     chosen = _names("--plants", plants, PLANTS)
     named = [None] if controllers is None else _controllers(controllers)
-    loaded: dict[Key, Scenario] = {}
+    loaded = Combinations()
+    given: dict[str, Any] = {"overrides": overrides, "aircraft": aircraft}
     for plant in chosen:
         for controller in named:
-            scenario = load_scenario(source, overrides=overrides, plant=plant, aircraft=aircraft, controller=controller)
+            scenario = load_scenario(source, plant=plant, controller=controller, **given)
             name = controller_name(scenario)
             _refuse_overridden("--set plant", scenario.plant, plant, "--plants")
-            given = name if controller is None else controller if controller in CONTROLLERS else custom_name(controller)
-            _refuse_overridden("--set controller", name, given, "--controllers")
+            meant = name if controller is None else controller if controller in CONTROLLERS else custom_name(controller)
+            _refuse_overridden("--set controller", name, meant, "--controllers")
             if (plant, name) in loaded:
                 raise InputError(
                     f"--controllers {controllers}",
@@ -71,6 +86,16 @@ def load_combinations(
                     remedy="rename one of the modules",
                 )
             loaded[plant, name] = scenario
+    names = list(dict.fromkeys(name for _, name in loaded))
+    found = variants_of(variants, names)
+    for variant in found:
+        loaded.variants[variant.name] = {"of": names[0], "changes": list(variant.changes)}
+        for plant in chosen:
+            scenario = load_scenario(source, plant=plant, controller=named[0], changes=variant.options, **given)
+            loaded[plant, variant.name] = scenario
+    if found:  # those of one plant together
+        for key in sorted(loaded, key=lambda key: chosen.index(key[0])):
+            loaded[key] = loaded.pop(key)
     return loaded
 
 
@@ -117,7 +142,7 @@ def compare(
                 flown[key] = fly_one(scenario)
                 if advance is not None:
                     advance(len(flown))
-        document = document_of(flown)
+        document = document_of(flown, scenarios.variants if isinstance(scenarios, Combinations) else {})
         for name, text in (
             ("comparison.md", markdown(document)),
             ("comparison.csv", tidy_csv(document)),
@@ -134,9 +159,17 @@ def compare(
         return folder.write_summary(document)
 
 
-def document_of(flown: Mapping[Key, FlightResult]) -> dict[str, Any]:
-    """Return the document of `summary.json`: the flights, each as in its own `summary.json`, and their distances."""
+def document_of(
+    flown: Mapping[Key, FlightResult], variants: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, Any]:
+    """Return the document of `summary.json`: the flights, each as in its own `summary.json`, and their distances.
+
+    A flight of a variant has its name as its `controller`, and `variant`: of which controller, and what it changes.
+    """
     flights = [result.summary() for result in flown.values()]
+    for (_, name), flight in zip(flown, flights, strict=True):
+        if variants and name in variants:
+            flight |= {"controller": name, "variant": dict(variants[name])}
     first = flights[0]
     origin = first["provenance"]
     return {
@@ -192,7 +225,9 @@ def _names(option: str, text: str, known: Sequence[str], others: Sequence[str] =
             remedy = f"did you mean {near[0]}?" if near else f"for example {option} {','.join(known[:2])}"
             raise InputError(f"{option} {text}", found=f"'{name}'", expected=expected, remedy=remedy)
         if name in names[:i]:
-            raise InputError(f"{option} {text}", found=f"{name} twice", expected=expected, remedy=f"name {name} once")
+            again = " (--variant NAME:KEY=VALUE flies it with other options)" if option == "--controllers" else ""
+            remedy = f"name {name} once{again}"
+            raise InputError(f"{option} {text}", found=f"{name} twice", expected=expected, remedy=remedy)
     return names
 
 

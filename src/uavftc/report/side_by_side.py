@@ -41,6 +41,8 @@ def print_comparison(
         console.print()
         console.print(table)
     console.print()
+    for line in variant_lines(document):
+        console.print(Text(line))
     for flight in document["combinations"]:
         if not flight["completed"]:
             console.print(Text.assemble(f"{name_of(flight)}: ", outcome_line(flight)))
@@ -58,6 +60,16 @@ def title_of(document: dict[str, Any]) -> str:
 def name_of(flight: dict[str, Any]) -> str:
     """Return the name of one flight of a comparison."""
     return f"{flight['plant']}, {flight['controller']}"
+
+
+def variant_lines(document: dict[str, Any]) -> list[str]:
+    """Return a line for each variant: of which controller, and what it changes."""
+    lines = {
+        f["controller"]: f"{f['controller']}: {f['variant']['of']} with {', '.join(f['variant']['changes'])}"
+        for f in document["combinations"]
+        if "variant" in f
+    }
+    return list(lines.values())
 
 
 def metric_tables(document: dict[str, Any]) -> list[Table]:
@@ -117,6 +129,8 @@ def _heading(entry: dict[str, Any], document: dict[str, Any]) -> str:
 def markdown(document: dict[str, Any]) -> str:
     """Return the tables as GitHub Markdown."""
     lines = [f"# {title_of(document)}", ""]
+    if variants := variant_lines(document):
+        lines += ["## Variants", "", *(f"- {line}" for line in variants), ""]
     for block in _blocks(document):
         header = ["", *(name_of(flight) + ("" if flight["completed"] else " (lost)") for flight in block)]
         rows = []

@@ -31,6 +31,7 @@ def load_scenario(
     plant: str | None = None,
     aircraft: str | None = None,
     controller: str | None = None,
+    changes: Sequence[tuple[str, str]] = (),
 ) -> Scenario:
     """Read, change and check a scenario.
 
@@ -47,6 +48,9 @@ def load_scenario(
         ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know. Any
         other name, or the path of a .py file, is that of a custom controller (docs/custom-controller.md).
 
+    changes
+        More overrides, applied after the others, each after the option that it was given by.
+
     Raises
     ------
     InputError
@@ -62,6 +66,8 @@ def load_scenario(
         set_controller(document, controller)
     for override in overrides:
         apply(document, override)
+    for option, override in changes:
+        apply(document, override, option)
     _resolve_aircraft(document, path.parent)
     resolve_controller(document, path.parent)
     try:

@@ -102,15 +102,17 @@ def resolve_controller(document: Document, folder: Path) -> None:
         )
 
 
-def apply(document: Document, override: str) -> None:
+def apply(document: Document, override: str, where: str | None = None) -> None:
     """Set one key from ``dotted.key=value``; the value is YAML, missing sections are created.
+
+    `where` is the option that it was given by; None is ``--set``.
 
     Raises
     ------
     InputError
         If the key is not a path, leads through something that is neither section nor list, or past the end of a list.
     """
-    where = f"--set {override[:200]}"
+    where = where or f"--set {override[:200]}"
     text, equals, value_text = override.partition("=")
     if not equals:
         raise _error(where, "no '='", "--set KEY=VALUE", "for example --set reference.phi_deg=3")
