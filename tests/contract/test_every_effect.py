@@ -31,18 +31,23 @@ from uavftc.scenario.schema import Scenario
 
 GROUPS = {
     "actuators": actuators.CHAIN,
+    "engines": actuators.ENGINES,
     "sensors": sensors.CHAIN,
     "environment": environment.KINDS,
     "outer": outer.KINDS,
     "inner": inner.KINDS,
 }
 EVERY = [(group, effect) for group, effects in GROUPS.items() for effect in effects]
-LAWS = [(group, effect) for group, effect in EVERY if group != "environment" or hasattr(effect, "blocks")]
+LAWS = [
+    (group, effect)
+    for group, effect in EVERY
+    if group != "engines" and (group != "environment" or hasattr(effect, "blocks"))
+]
 
 DIMENSIONLESS = {
     "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
     "integration", "anti_windup", "centres", "width", "known", "mode", "damping", "ratio", "flow",
-    "profile", "exponent", "count", "signs", "onset", "model", "severity", "rotational",
+    "profile", "exponent", "count", "signs", "onset", "model", "severity", "rotational", "engine", "at", "power",
 }  # fmt: skip
 UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
 """A unit in a description: keys named by a symbol of the paper have theirs there."""

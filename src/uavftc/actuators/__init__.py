@@ -12,6 +12,9 @@ from uavftc.actuators import (
     delay,
     drift,
     effectiveness,
+    engine_loss,
+    engine_reduced,
+    engine_stuck,
     floating,
     hardover,
     intermittent,
@@ -43,3 +46,6 @@ CHAIN = (
     stops,
 )
 """The order on an effector, from the command on."""
+
+ENGINES = (engine_loss, engine_stuck, engine_reduced)
+"""What can happen to an engine; one at a time. No step on an effector: the plant does it, see `engine.py`."""

@@ -11,6 +11,7 @@ An effect (of the actuators, the sensors, the air, a control law) is one module 
     FIELDS        fields of the row that an entry adds to, by `prescribe` or by its law; of a kind of disturbance
     wind_at_start wind_at_start(entry, height) -> velocity of the air that its law adds at t = 0, north-east-down, m/s,
                   shape (3,), at a height above ground, m: the flight starts in this air; optional
+    change        change(entry): of a fault of an engine, in place of `blocks`; see actuators/engine.py
     REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
     warnings      warnings(entry, t, window) -> (key, line) of what is allowed and worth knowing about it; optional
     problems      problems(entry, given) -> list of `values.Problem`, what the flight cannot have; optional
@@ -37,6 +38,9 @@ from pydantic import BaseModel, create_model
 from uavftc.config.values import Model
 
 Effect = ModuleType
+
+ENGINE = "engine "
+"""What the tag of a fault of an engine begins with."""
 
 
 def configs(effects: Sequence[Effect], place: str, name: str) -> list[type[BaseModel]]:
@@ -67,6 +71,12 @@ def section(name: str, effects: Sequence[Effect], doc: str, module: str, *, name
 def default_kind(config: type[BaseModel]) -> str:
     """Return the kind of a section, as a scenario names it."""
     return str(config.model_fields["kind"].default)
+
+
+def tag_of(config: type[BaseModel]) -> str:
+    """Return what tells an entry from all others: a fault of an engine may have the kind of one of a surface."""
+    kind = default_kind(config)
+    return f"{ENGINE}{kind}" if "engine" in config.model_fields else kind
 
 
 def config_of(effect: Effect, scenario: Any) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from uavftc.config.document import Document, Key
+from uavftc.config.effect import ENGINE, tag_of
 from uavftc.config.expression import KNOWN
 from uavftc.config.values import Problem, key_text
 from uavftc.errors import InputError
@@ -88,7 +89,7 @@ def _sections(annotation: Any) -> dict[str, type[BaseModel]]:
     """Return the sections an annotation admits, by the name that the errors of a union use."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         kind = annotation.model_fields.get("kind")
-        return {kind.default if kind and isinstance(kind.default, str) else annotation.__name__: annotation}
+        return {tag_of(annotation) if kind and isinstance(kind.default, str) else annotation.__name__: annotation}
     return {name: model for part in typing.get_args(annotation) for name, model in _sections(part).items()}
 
 
@@ -173,18 +174,27 @@ def _siblings(model: type[BaseModel], root: type[BaseModel]) -> dict[str, type[B
 
 
 def _choice(item: Any, key: Key, value: Any, model: type[BaseModel]) -> Problem:
-    ctx = item.get("ctx", {})
+    ctx, absent = item.get("ctx", {}), item["type"] == "union_tag_not_found"
     if item["type"] == "literal_error":
         expected = ctx["expected"]
     else:  # the tag of a union: its key is wrong, not the section
         field = next(part for part in reversed(key) if isinstance(part, str))
         sections = _sections(model.model_fields[field].annotation)
-        expected = ", ".join(kind for kind, section in sections.items() if not getattr(section, "refused", False))
+        named = [name for name, section in sections.items() if not getattr(section, "refused", False)]
         key = (*key, "kind")
-        value = value.get("kind") if isinstance(value, dict) else value
+        of_engine = isinstance(value, dict) and "engine" in value
+        if isinstance(value, dict):
+            absent = absent or "kind" not in value
+            value = value.get("kind")
+        kinds = [name.removeprefix(ENGINE) for name in named if name.startswith(ENGINE) == of_engine]
+        expected = ", ".join(kinds)
+        if (str(value) if of_engine else f"{ENGINE}{value}") in named:  # there is one, of the other
+            own, other = ("engine", "surface") if of_engine else ("surface", "engine")
+            remedy = f"it is a fault of {'a surface' if of_engine else 'an engine'}: write {other} in place of {own}"
+            return Problem(key, describe(value), f"with {own}, one of {expected}", remedy)
     known = [word.strip().strip("'") for word in expected.replace(" or ", ", ").split(",")]
     near = difflib.get_close_matches(str(value), known, n=1)
-    found = "nothing" if item["type"] == "union_tag_not_found" else describe(value)
+    found = "nothing" if absent else describe(value)
     if len(known) == 1:
         remedy = getattr(model, "remedies", {}).get(str(key[-1]), f"write {known[0]}, the only one there is")
         return Problem(key, found, known[0], remedy)

@@ -30,9 +30,10 @@ from uavftc.flight.aboard import aboard_of
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
 from uavftc.flight.damaged import refuse_damage
 from uavftc.flight.defaults import resolved
+from uavftc.flight.engine_faults import impossible, told_of_engines
 from uavftc.flight.inputs import Inputs
 from uavftc.flight.layouts import claimed_stops, layout_of
-from uavftc.flight.named import refuse_impossible, refuse_unknown
+from uavftc.flight.named import refuse, refuse_impossible, refuse_unknown
 from uavftc.flight.servos import own_servos, published
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
@@ -102,6 +103,8 @@ def build_flight(scenario: Scenario) -> Flight:
     refuse_unknown(scenario, layout)
     refuse_damage(scenario, aircraft, model)
     inputs = Inputs(scenario, trim_attitude(model), layout)
+    if model is not None and finer:
+        refuse(scenario, impossible(scenario, aircraft, model))
     plant = make_plant(scenario, aircraft, model, timing, inputs)
     given = given_of(scenario, aircraft, model, plant, timing, axes, layout)
     refuse_impossible(scenario, given)
@@ -199,12 +202,11 @@ def make_plant(
     if scenario.plant == "analytic":
         return make_analytic(aircraft, model, timing, damage)
     from uavftc.plants.jsbsim import damage as damaged  # noqa: PLC0415
-    from uavftc.plants.jsbsim.events import Told  # noqa: PLC0415 - each plant is imported only when flown
-    from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415
+    from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415 - each plant is imported only when flown
 
     assert model is not None  # every JSBSim aircraft is flown from a trimmed model
     wind, moment = inputs.acts_on("wind_n"), inputs.acts_on("d2")
-    told: list[Told] = [damaged.told(aircraft, damage, np.array(model.inertia_kgm2))]  # see plants.jsbsim.events
+    told = [damaged.told(aircraft, damage, np.array(model.inertia_kgm2)), *told_of_engines(scenario, model)]
     at_start = inputs.wind_at_start(model.trim["altitude"])  # the ground is at sea level
     return JSBSimPlant(aircraft, model, timing, wind_n=at_start, has_wind=wind, has_moment=moment, told=told)
 

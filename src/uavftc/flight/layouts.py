@@ -29,6 +29,7 @@ def layout_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None
         position_sign=np.array(sign),
         read=np.array([flown and not e.ideal and e.position is not None for e in effectors]),
         sense=np.array([math.copysign(1.0, e.position_rad) if e.position is not None else 1.0 for e in effectors]),
+        engines=tuple(model.engine_order) if flown and model.engines else (),
     )
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 
+from uavftc.actuators.engine import place_of
 from uavftc.actuators.saturation import SurfaceLimits
 from uavftc.config.explain import MAX_SHOWN, describe
 from uavftc.config.values import Problem, key_text
@@ -15,7 +17,7 @@ from uavftc.scenario.schema import Scenario
 
 
 def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
-    """Refuse a surface that the aircraft does not have, two faults at a time on one effector, and two servos of one.
+    """Refuse what the aircraft does not have, two faults at a time on one effector, and two servos of one.
 
     Raises
     ------
@@ -41,10 +43,35 @@ def refuse_unknown(scenario: Scenario, layout: Layout) -> None:
             remedy = f"did you mean {near[0]}?" if near else "choose one of them"
             expected = f"one of {', '.join(known)}, the surfaces of {scenario.aircraft}"
             problems.append(Problem(key, describe(name), expected, remedy))
+    problems += _engines(scenario, layout.engines)
     if not problems:
         problems = overlaps(scenario, lambda surface: [layout.names[j] for j in targets[surface]])
         problems += twice(scenario, layout)
-    _refuse(scenario, problems)
+        problems += overlaps(scenario, lambda engine: [_engine(engine, layout.engines)], "engine")
+    refuse(scenario, problems)
+
+
+def _engines(scenario: Scenario, names: Sequence[str]) -> list[Problem]:
+    """Return the engines that a fault names and the aircraft does not have."""
+    known = ", ".join(f"{i} ({name})" for i, name in enumerate(names, start=1))
+    found = []
+    for i, fault in enumerate(scenario.faults):
+        if not hasattr(fault, "engine") or place_of(fault.engine, names) is not None:
+            continue
+        near = difflib.get_close_matches(str(fault.engine), names, n=1)
+        if names:
+            expected = f"{'one of ' if len(names) > 1 else ''}{known}, the engines of {scenario.aircraft}"
+            remedy = f"did you mean {near[0]}?" if near else "choose one of them" if len(names) > 1 else "write 1"
+        else:
+            expected = f"a fault of a surface: {scenario.aircraft} has no engine whose throttle moves its thrust"
+            remedy = "leave the fault out, or choose an aircraft with engines"
+        found.append(Problem(("faults", i, "engine"), describe(fault.engine), expected, remedy))
+    return found
+
+
+def _engine(engine: int | str, names: Sequence[str]) -> str:
+    """Return the name of an engine that exists."""
+    return names[engine - 1] if isinstance(engine, int) else engine
 
 
 def refuse_impossible(scenario: Scenario, given: Given) -> None:
@@ -61,7 +88,7 @@ def refuse_impossible(scenario: Scenario, given: Given) -> None:
         if hasattr(effect, "problems")
         for problem in effect.problems(entry, given)
     ]
-    _refuse(scenario, found)
+    refuse(scenario, found)
 
 
 def remarks(scenario: Scenario, given: Given) -> list[str]:
@@ -74,7 +101,14 @@ def remarks(scenario: Scenario, given: Given) -> list[str]:
     ]
 
 
-def _refuse(scenario: Scenario, problems: list[Problem]) -> None:
+def refuse(scenario: Scenario, problems: list[Problem]) -> None:
+    """Refuse a scenario, with the place of each key in its file.
+
+    Raises
+    ------
+    InputError
+        If there is any problem.
+    """
     if problems:
         where = scenario.origin.where
         shown = [

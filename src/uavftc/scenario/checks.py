@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.actuators import CHAIN, servo_delay
+from uavftc.actuators import CHAIN, ENGINES, servo_delay
 from uavftc.config.effect import faults
 from uavftc.config.values import AtLeast, Problem, Signal, Window, key_text, window_of
 from uavftc.environment import KINDS
@@ -59,7 +59,10 @@ def warnings(scenario: Scenario) -> list[str]:
 
 def entries(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Any, Any]]:
     """Yield the key, the effect and the entry of each fault and disturbance, in the order of the file."""
-    for section, kinds in (("faults", faults(CHAIN)), ("disturbances", [(kind, kind.Config) for kind in KINDS])):
+    for section, kinds in (
+        ("faults", faults((*CHAIN, *ENGINES))),
+        ("disturbances", [(kind, kind.Config) for kind in KINDS]),
+    ):
         for i, entry in enumerate(getattr(scenario, section)):
             yield from (((section, i), effect, entry) for effect, config in kinds if isinstance(entry, config))
 
@@ -184,14 +187,17 @@ def _finite(scenario: Scenario, key: tuple[str | int, ...], entry: Any, signal: 
     return []
 
 
-def overlaps(scenario: Scenario, members: Callable[[str], Iterable[str]]) -> list[Problem]:
-    """Return the faults that begin while another one acts on the same effector; `members` of what a fault names."""
+def overlaps(scenario: Scenario, members: Callable[[Any], Iterable[str]], key: str = "surface") -> list[Problem]:
+    """Return the faults that begin while another one acts on the same effector.
+
+    `members` of what a fault names by `key`: `surface`, or `engine`.
+    """
     found = []
     last: dict[str, tuple[int, Any]] = {}
-    on_surfaces = [(i, fault) for i, fault in enumerate(scenario.faults) if hasattr(fault, "surface")]
-    for i, fault in sorted(on_surfaces, key=lambda item: item[1].start_s):
+    named = [(i, fault) for i, fault in enumerate(scenario.faults) if hasattr(fault, key)]
+    for i, fault in sorted(named, key=lambda item: item[1].start_s):
         reported = set()
-        for name in members(fault.surface):
+        for name in members(getattr(fault, key)):
             j, earlier = last.get(name, (i, None))
             if earlier is not None and (earlier.end_s is None or fault.start_s < earlier.end_s) and j not in reported:
                 reported.add(j)
@@ -199,7 +205,8 @@ def overlaps(scenario: Scenario, members: Callable[[str], Iterable[str]]) -> lis
                     f"{key_text(('faults', i))} on {_interval(fault)} overlaps "
                     f"{key_text(('faults', j))} on {_interval(earlier)}, both on the {name}"
                 )
-                expected = "at most one fault at a time on a surface; windows are [start_s, end_s)"
+                one = "an engine" if key == "engine" else "a surface"
+                expected = f"at most one fault at a time on {one}; windows are [start_s, end_s)"
                 found.append(Problem(("faults", i), pair, expected, "move one of the windows, or join the two faults"))
             longer = earlier is None or (
                 earlier.end_s is not None and (fault.end_s is None or fault.end_s > earlier.end_s)

@@ -23,10 +23,10 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from uavftc.actuators import CHAIN, effectiveness
+from uavftc.actuators import CHAIN, ENGINES, effectiveness
 from uavftc.actuators.saturation import limits_rad
 from uavftc.config.document import Origin
-from uavftc.config.effect import configs, default_kind, faults, section
+from uavftc.config.effect import ENGINE, configs, default_kind, faults, section, tag_of
 from uavftc.config.values import ZERO, Model, NonNegative, Positive, Signal, Whole, own_section, refusal
 from uavftc.environment import KINDS
 from uavftc.scenario.checks import MAX_SUBSTEPS, problems
@@ -88,14 +88,17 @@ class Simulation(Model):
     at least 5 us, and a delay at most 10 million"""
 
 
-FAULTS = [kind for _, kind in faults(CHAIN)]
+FAULTS = [kind for _, kind in faults((*CHAIN, *ENGINES))]
 """The kinds of entry in `faults`."""
 
 
 def _kind(entry: Any) -> str:
-    """Return the kind of a fault's entry; without one it is that of the paper, eq. (6)."""
-    default = default_kind(effectiveness.Config)
-    return str(entry.get("kind", default) if isinstance(entry, dict) else getattr(entry, "kind", default))
+    """Return the tag of a fault's entry: its kind, or that of the paper, eq. (6), and whether it is of an engine."""
+    if not isinstance(entry, dict):
+        return tag_of(type(entry)) if isinstance(entry, BaseModel) else default_kind(effectiveness.Config)
+    if "engine" in entry:
+        return f"{ENGINE}{entry.get('kind', '')}"
+    return str(entry.get("kind", default_kind(effectiveness.Config)))
 
 
 if TYPE_CHECKING:  # what is put together from the effects is known when it is imported
@@ -104,7 +107,7 @@ if TYPE_CHECKING:  # what is put together from the effects is known when it is i
     Sensors = Any
     Actuators = Any
 else:
-    _faults = [Annotated[config, Tag(default_kind(config))] for config in FAULTS]
+    _faults = [Annotated[config, Tag(tag_of(config))] for config in FAULTS]
     Fault = Annotated[reduce(or_, _faults), Discriminator(_kind)] if len(FAULTS) > 1 else FAULTS[0]
     Disturbance = Annotated[reduce(or_, configs(KINDS, "ENTRY_OF", "disturbances")), Field(discriminator="kind")]
     Sensors = section("sensors", SENSORS, "What the controller sees: the errors of the sensors.", __name__)
@@ -189,7 +192,7 @@ class Scenario(_Chains):
     """
 
     faults: tuple[Fault, ...] = ()
-    """[actuator faults](#faults)"""
+    """[faults](#faults) of surfaces and engines"""
     damage: tuple[Damage, ...] = ()
     """[damage to the vehicle](#damage)"""
     disturbances: tuple[Disturbance, ...] = ()

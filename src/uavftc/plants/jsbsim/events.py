@@ -24,6 +24,7 @@ from typing import NamedTuple
 import jsbsim
 
 from uavftc.plants.jsbsim.copy import Addition
+from uavftc.plants.jsbsim.engines import has
 from uavftc.plants.jsbsim.writer import Getter, Setter
 from uavftc.plants.schedule import row_at
 
@@ -38,6 +39,8 @@ class Event(NamedTuple):
     property: str
     value: float | str
     """A number, or the property whose value at that moment is written."""
+    where_it_exists: bool = False
+    """Whether an aircraft without the property is left alone."""
 
 
 def _nothing(_fdm: jsbsim.FGFDMExec) -> Sequence[Event]:
@@ -78,7 +81,9 @@ class Schedule:
 
     def __init__(self, fdm: jsbsim.FGFDMExec, events: Sequence[Event]) -> None:
         self._bound: list[tuple[int, Setter, float | Getter]] = []
-        for row, name, value in sorted(events, key=lambda event: event.row):  # stable: in their order within a row
+        for row, name, value, optional in sorted(events, key=lambda event: event.row):  # stable: in order within a row
+            if optional and not has(fdm, name):
+                continue
             of = existing(fdm, value).get_double_value if isinstance(value, str) else float(value)
             self._bound.append((row, existing(fdm, name).set_double_value, of))
         self._next = 0

@@ -78,6 +78,9 @@ def models_of(aircraft: Aircraft, speeds: tuple[float, ...], altitude: float) ->
     return found
 
 
+SOON = 10  # frames after which a throttle has begun to follow its command
+
+
 def prepare(aircraft: Aircraft, altitude: float) -> Bench:
     """Return the aircraft with its engines and surfaces tried, at its own airspeed or a typical one."""
     fdm = initialised(aircraft, FRAME_S)
@@ -296,7 +299,31 @@ def model_at(bench: Bench, trim: Trim, fdm: jsbsim.FGFDMExec) -> TrimmedModel:
         frame_s=rig.frame_s,
         declared=missing(aircraft),
         engine_names=list(aircraft.engines()) or [f"engine_{i + 1}" for i in range(engines.count(fdm))],
+        engine_order=_order(aircraft, engines.count(fdm), rig.frame_s),
     )  # fmt: skip
+
+
+def _order(aircraft: Aircraft, count: int, frame_s: float) -> list[str]:
+    """Return a name of each engine in the order of the XML: the one whose throttle moves it alone, or a number."""
+    names = [f"engine_{i + 1}" for i in range(count)]
+    if not (commands := aircraft.engines()):
+        return names
+    for name, command in commands.items():
+        fdm = initialised(aircraft, frame_s)
+        engines.start(fdm)
+        positions = np.array([throttle_positions(fdm, command, value, count) for value in (0.2, 0.4)])
+        moved = np.flatnonzero(positions[0] != positions[1])
+        if len(moved) == 1:
+            names[int(moved[0])] = name
+    return names
+
+
+def throttle_positions(fdm: jsbsim.FGFDMExec, command: str, value: float, count: int) -> list[float]:
+    """Return the throttle position of each engine soon after a command."""
+    fdm[command] = value
+    for _ in range(SOON):
+        fdm.run()
+    return [float(fdm[f"fcs/throttle-pos-norm[{i}]"]) for i in range(count)]
 
 
 def _measured(aircraft: Aircraft, name: str, j: int, rig: Rig, trim: Trim, linear: Linear) -> Measured:

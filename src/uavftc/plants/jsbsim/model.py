@@ -83,7 +83,9 @@ class TrimmedModel(NamedTuple):
     step: Mapping[str, Any] = MappingProxyType({})
     """The step check at this trim, as `step_check.check` returns it; empty where it was not made."""
     engine_names: Sequence[str] = ()
-    """Names of the engines, in the order of the XML."""
+    """Names of the engines, as the companion file has them."""
+    engine_order: Sequence[str] = ()
+    """The same in the order of the XML, so that the place of an engine is its number in JSBSim."""
     declared: Sequence[str] = ()
     """Properties that the aircraft reads and nothing defines; they are 0."""
 
