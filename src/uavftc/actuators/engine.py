@@ -56,6 +56,7 @@ class EngineFault(Fault):
 
     remedies: ClassVar[dict[str, str]] = {
         "surface": "leave one of the two out: an entry is a fault of a surface or one of an engine; write two for both",
+        "at_deg": "write kind: stuck and at, a throttle position from 0 to 1",
     }
 
     engine: EngineName

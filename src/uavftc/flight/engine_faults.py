@@ -35,9 +35,7 @@ def impossible(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel) -> l
     for key, fault in _changes(scenario, model):
         if not is_last(aircraft, model, fault.engine):
             what = f"flight controls of {aircraft.name} in a file of their own, which set the throttle after the fault"
-            expected = (
-                "flight controls in the main file, or such as leave the throttle position to JSBSim"
-            )
+            expected = "flight controls in the main file, or such as leave the throttle position to JSBSim"
             remedy = f"move <flight_control> into {aircraft.xml.name}, or leave the fault out"
             found.append(Problem((*key, "engine"), what, expected, remedy))
         elif fault.change.stopped and (seen := tried(aircraft, model, fault.engine)).after_s is None:
