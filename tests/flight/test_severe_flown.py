@@ -80,3 +80,27 @@ def test_a_floating_surface_needs_a_flow():
 
     with pytest.raises(InputError, match="no floating surface"):
         load_scenario("scenario1", plant="analytic", overrides=[LEFT.format("float, ratio: 0.5")])
+
+
+@pytest.mark.parametrize("fault", ["kind: stuck", "kind: total-loss", "effectiveness: 0"])
+def test_a_fault_that_changed_nothing_is_worth_a_warning(tmp_path, fault):
+    # a rudder that the controller never moves, and that has no trim
+    (tmp_path / "resting.py").write_text(
+        "def create(design, h, options):\n    return lambda t, x1_c, x1, x2: [0, 0, 0]\n"
+    )
+    overrides = ["duration_s=1", f"faults=[{{surface: rudder, start_s: 0.5, {fault}}}]"]
+    flight = build_flight(load_scenario("scenario1", controller=str(tmp_path / "resting.py"), overrides=overrides))
+    _, outcome = fly_to_memory(flight)
+    assert outcome.remarks == ("faults[0]: changed nothing: the rudder did what it would have done without it",)
+
+
+def test_a_fault_that_changed_something_is_not():
+    _, _, outcome = flown("scenario1", "jsbsim", None, (LEFT.format("stuck"), "duration_s=4"))
+    assert outcome.remarks == ()
+
+
+def test_a_fault_that_the_flight_did_not_live_to_see_is_worth_a_warning():
+    faults = "faults=[{kind: hardover, surface: rudder, start_s: 1}, {kind: stuck, surface: elevator, start_s: 18}]"
+    _, _, outcome = flown("scenario1", "jsbsim", None, (faults,))
+    assert not outcome.completed
+    assert outcome.remarks == (f"faults[1]: never began; the flight ended at {outcome.ended_at_s:g} s",)

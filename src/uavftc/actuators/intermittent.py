@@ -30,6 +30,7 @@ PARAMS = np.dtype(
         ("changes", "i8"),  # how many times it comes or goes
     ]
 )
+MOST = 1  # place in the memory of how far it moved the surface, rad
 STATE = RAW  # the place of the next change, rad how far it moved the surface, then the times of the changes, s
 
 
@@ -66,7 +67,7 @@ def step(p, s, e, row):
         if k % 2 == 0:
             before = e.deflection
             e.deflection = p.effectiveness * before + p.bias
-            changes[1] = max(changes[1], abs(e.deflection - before))
+            changes[MOST] = max(changes[MOST], abs(e.deflection - before))
 
 
 stage = Stage(step, PARAMS, STATE, reads=["t", "deflection"], writes=["deflection"])

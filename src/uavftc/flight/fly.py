@@ -13,6 +13,7 @@ from uavftc.core.program import STOPPED
 from uavftc.core.signals import as_records, empty_rows
 from uavftc.flight import envelope, numerical
 from uavftc.flight.build import Flight
+from uavftc.flight.idle import Idle
 from uavftc.flight.numerical import Tape
 from uavftc.flight.recorder import MemoryRecorder, Recorder
 
@@ -87,7 +88,7 @@ def _fly(
     stop: Callable[[], bool] | None,
 ) -> Outcome:
     slice_rows = _slice_rows(flight)
-    unsound, tape = numerical.unsound(flight), Tape(flight)
+    unsound, tape, idle = numerical.unsound(flight), Tape(flight), Idle(flight)
     total = 1 if unsound is not None else flight.steps + 1
     wall_s = 0.0
     done = 0
@@ -119,18 +120,19 @@ def _fly(
         wall_s += time.perf_counter() - started
         # the row outside the envelope is still valid, unless it is not a number or has no command
         keep = flown + (lost is not None and lost["status"] > envelope.NOT_A_NUMBER)
-        for recorder in (*recorders, tape):
+        for recorder in (*recorders, tape, idle):
             recorder.take(records[:keep])
         done += keep
     if unsound is not None and not stopped:
         return Outcome(False, unsound, 0.0, False, done, wall_s, numerical=True)
     if lost is not None:
         is_numerical, reason, remarks = numerical.verdict(flight, tape, lost, _reason(flight, lost), stop)
-        return Outcome(False, reason, float(lost["t"]), False, done, wall_s, is_numerical, remarks)
+        at = float(lost["t"])
+        return Outcome(False, reason, at, False, done, wall_s, is_numerical, (*remarks, *idle.remarks(at)))
     if done < total:
         at = max(done - 1, 0) / flight.scenario.controller.rate_hz
         return Outcome(False, f"interrupted by the user, at t = {at:.3f} s", at, True, done, wall_s)
-    return Outcome(True, None, None, False, done, wall_s)
+    return Outcome(True, None, None, False, done, wall_s, remarks=idle.remarks(flight.scenario.duration_s))
 
 
 def _slice_rows(flight: Flight) -> int:
