@@ -52,6 +52,16 @@ def model(form: str, omega: np.ndarray, V: float, sigma: Any, L: Any, b: float) 
     return np.array([u, v, w, p, q, r]) / V
 
 
+def folded(form: str, omega: np.ndarray, h: float, *scale: Any) -> np.ndarray:
+    """Return the spectra of the samples every h, s: those of the model, folded at every multiple of 2 pi/h."""
+    rate, last = 2 * np.pi / h, 300
+    total = model(form, omega, *scale)
+    for k in range(1, last + 1):
+        total += model(form, k * rate + omega, *scale) + model(form, k * rate - omega, *scale)
+    beyond = (last + 0.5) * rate * np.geomspace(1.0, 1e6, 2001)
+    return total + 2 / rate * np.trapezoid(model(form, beyond, *scale), beyond)[:, None]
+
+
 def variance(form: str, V: float, sigma: Any, L: Any, b: float) -> np.ndarray:
     """Return the integrals of the spectra over all omega > 0, shape (6,)."""
     omega = np.concatenate([[0.0], np.geomspace(1e-6, 1e6, 400_001)])
@@ -65,7 +75,7 @@ def periodogram(x: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     return 2 * np.pi * np.fft.rfftfreq(len(x), h), power
 
 
-def in_bands(omega: np.ndarray, ratio: np.ndarray) -> np.ndarray:
-    """Return the mean of `ratio`, shape (columns, n), in each of `BANDS`, shape (columns, bands)."""
-    place = np.digitize(omega, BANDS) - 1
-    return np.array([ratio[:, place == i].mean(axis=1) for i in range(len(BANDS) - 1)]).T
+def in_bands(omega: np.ndarray, ratio: np.ndarray, bands: np.ndarray = BANDS) -> np.ndarray:
+    """Return the mean of `ratio`, shape (columns, n), between the edges `bands`, shape (columns, bands)."""
+    place = np.digitize(omega, bands) - 1
+    return np.array([ratio[:, place == i].mean(axis=1) for i in range(len(bands) - 1)]).T
