@@ -22,13 +22,14 @@ from uavftc import sensors
 from uavftc.actuators import CHAIN
 from uavftc.actuators.saturation import Limits
 from uavftc.config.described import descriptions
-from uavftc.config.effect import configs, default_kind
+from uavftc.config.effect import Effect, configs, default_kind
 from uavftc.config.explain import unit_of
 from uavftc.config.values import Signal
 from uavftc.control.rbf import Rbf
 from uavftc.environment import KINDS, gust_train, shear, turbulence
 from uavftc.scenario import damage, schema
 from uavftc.scenario.controllers import LOOPS, Controller, CustomController
+from uavftc.sensors import dropout, stuck
 
 PAGE = Path(__file__).parents[1] / "docs" / "scenarios.md"
 
@@ -109,11 +110,17 @@ def by_kind(models: Sequence[type[BaseModel]]) -> list[str]:
 
 def chain() -> list[str]:
     """Return the effects on an effector in their order, each with the first sentence of its module."""
-    lines = ["1. command: the controller's output v2 mapped to the effector, a deflection about trim, rad;"]
-    for i, effect in enumerate(CHAIN, start=2):
+    command = "1. command: the controller's output v2 mapped to the effector, a deflection about trim, rad;"
+    return [command, *in_order(CHAIN, 2)]
+
+
+def in_order(effects: Sequence[Effect], start: int = 1) -> list[str]:
+    """Return a numbered list of effects in their order, each with the first sentence of its module."""
+    lines = []
+    for i, effect in enumerate(effects, start=start):
         name = effect.__name__.rpartition(".")[2].replace("_", " ")
         first = one_line((effect.__doc__ or "").split("\n\n")[0]).rstrip(".")
-        lines.append(f"{i}. {name}: {first[0].lower()}{first[1:]}{';' if i <= len(CHAIN) else '.'}")
+        lines.append(f"{i}. {name}: {first[0].lower()}{first[1:]}{'.' if effect is effects[-1] else ';'}")
     return lines
 
 
@@ -152,6 +159,9 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "lift lost": lambda: table(damage.LiftLost),
     "disturbances": disturbances,
     "air": lambda: by_kind([kind.Config for kind in (shear, gust_train, turbulence)]),
+    "order of sensors": lambda: in_order(sensors.CHAIN),
+    "dropout": lambda: table(dropout.Dropout),
+    "stuck": lambda: table(stuck.StuckAttitude),
     "sensors": lambda: table(*configs(sensors.CHAIN, "KEYS_IN", "sensors")),
     "envelope": lambda: table(schema.Envelope),
     "simulation": lambda: table(schema.Simulation),

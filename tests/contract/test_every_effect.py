@@ -48,6 +48,7 @@ DIMENSIONLESS = {
     "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
     "integration", "anti_windup", "centres", "width", "known", "mode", "damping", "ratio", "flow",
     "profile", "exponent", "count", "signs", "onset", "model", "severity", "rotational", "engine", "at", "power",
+    "axis", "attitude_scale_factor_error", "gyro_scale_factor_error",
 }  # fmt: skip
 UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
 """A unit in a description: keys named by a symbol of the paper have theirs there."""
@@ -88,7 +89,18 @@ ON = {
     "faults": SURFACES_HIT,
     "damage": [{"control_power": {"elevator": 0.5}}],
     "controller": {"delay_s": 0.0125},
-    "sensors": {"gyro_bias_degps": [1, -2, 3]},
+    "sensors": {
+        "gyro_bias_degps": [1, -2, 3],
+        "gyro_misalignment_deg": [3, -2, 1],
+        "attitude_misalignment_deg": [-1, 2, 30],
+        "attitude_scale_factor_error": [0.01, 0, -0.02],
+        "gyro_random_walk_degps_per_rts": [0.1, 0, 0.2],
+        "attitude_noise_density_deg_per_rthz": [0.1, 0, 0.2],
+        "gyro_quantisation_degps": [0, 0.1, 0.2],
+        "attitude_delay_s": [0.01, 0.0125, 0],
+        "gyro_dropout": [{"start_s": 0.05, "mean_lost_s": 0.02, "mean_between_s": 0.02}],
+        "attitude_stuck": [{"start_s": 0.05, "end_s": 0.1, "axis": "pitch"}],
+    },
     "actuators": {
         "deadband_deg": 0.5,
         "delay_s": 0.0075,

@@ -38,7 +38,7 @@ def test_cache_folder_belongs_to_exactly_this_source(source, tmp_path):
     names = {first.name}
     compiled = (
         "control/rbf.py", "control/inner/predictor.py", "core/kinematics.py", "core/linear3.py", "core/signals.py",
-        "core/stage.py", "flight/envelope.py", "sensors/gyro.py", "actuators/delay.py", "plants/rigid_body.py",
+        "core/stage.py", "flight/envelope.py", "sensors/bias.py", "actuators/delay.py", "plants/rigid_body.py",
         "core/program.py", "control/allocation.py", "stage.py",
     )  # fmt: skip
     for changed in compiled:
@@ -106,14 +106,14 @@ def test_cache_setting_of_other_users_of_numba_is_restored(monkeypatch):
 FLY = """
 import sys
 import numpy as np
-from uavftc.sensors import gyro
+from uavftc.sensors import bias
 from uavftc.core.program import Program
 from uavftc.core.stage import is_compiled, params_of
 from uavftc.core.signals import as_records, empty_rows
 print(is_compiled(), flush=True)
 sys.stdin.readline()
 rows = empty_rows(4)
-Program([gyro.stage.block(params_of(gyro.PARAMS, bias=[1.0, 2.0, 3.0]))]).run(rows, 0, 4)
+Program([bias.stage.block(params_of(bias.PARAMS, attitude=0.0, gyro=[1.0, 2.0, 3.0]))]).run(rows, 0, 4)
 print(as_records(rows)["x2_meas"].sum(), is_compiled())
 """
 

@@ -15,7 +15,7 @@ from uavftc.flight import envelope
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.load import load_scenario
-from uavftc.sensors import exact, gyro
+from uavftc.sensors import bias, exact
 
 COUNT = np.dtype([("calls", "f8"), ("last", "f8")])
 
@@ -169,12 +169,12 @@ def test_two_blocks_with_one_name_are_refused():
 
 def test_a_block_is_found_by_its_name():
     # with the memory that flies
-    block = gyro.stage.block(params_of(gyro.PARAMS, bias=1.0))
+    block = bias.stage.block(params_of(bias.PARAMS, attitude=0.0, gyro=1.0))
     program = Program([exact.stage.block(), PythonBlock("middle", lambda row: None)], [block])
-    assert program["gyro"] is block
-    assert program.names == ("exact", "middle", "gyro")
+    assert program["bias"] is block
+    assert program.names == ("exact", "middle", "bias")
     for name in ("nothing", "middle"):  # a step in Python has no memory to look at
-        with pytest.raises(KeyError, match=f"no compiled block {name} among exact, middle, gyro"):
+        with pytest.raises(KeyError, match=f"no compiled block {name} among exact, middle, bias"):
             program[name]
 
 
@@ -192,8 +192,8 @@ def test_a_step_in_python_runs_between_the_compiled_blocks_of_a_row():
         seen.append(row[start : start + 3].copy())
         row[start : start + 3] *= 10.0
 
-    bias = gyro.stage.block(params_of(gyro.PARAMS, bias=[0.1, 0.2, 0.3]))
-    for after, plant_step in (([bias], []), ([], [bias])):
+    offset = bias.stage.block(params_of(bias.PARAMS, attitude=0.0, gyro=[0.1, 0.2, 0.3]))
+    for after, plant_step in (([offset], []), ([], [offset])):
         program = Program([exact.stage.block(), PythonBlock("times ten", step), *after], plant_step)
         assert program.run(rows, 0, 3) == 3
         np.testing.assert_array_equal(as_records(rows)["x2_meas"], [[10.1, 20.2, 30.3]] * 3)
@@ -334,15 +334,15 @@ def test_a_law_that_raises_ends_a_flight_with_its_name(plant, monkeypatch):
 
 def test_a_law_that_reads_what_nothing_has_written_is_refused():
     # a controller before the sensors would fly on zeros
-    bias = gyro.stage.block(params_of(gyro.PARAMS, bias=0.0))
-    with pytest.raises(ValueError, match="gyro reads x2_meas, which nothing before it has written"):
-        check_flow([bias])
+    offset = bias.stage.block(params_of(bias.PARAMS, attitude=0.0, gyro=0.0))
+    with pytest.raises(ValueError, match="bias reads x1_meas, x2_meas, which nothing before it has written"):
+        check_flow([offset])
     with pytest.raises(ValueError, match="exact reads x1, x2, which"):
         check_flow([exact.stage.block()])
     vehicle = Stage(counting, NOTHING, COUNT, reads=[], writes=["x1", "x2"]).block(name="vehicle")
-    check_flow([vehicle, exact.stage.block(), bias])
-    with pytest.raises(ValueError, match="gyro reads x2_meas"):
-        check_flow([vehicle, bias, exact.stage.block()])  # in this order
+    check_flow([vehicle, exact.stage.block(), offset])
+    with pytest.raises(ValueError, match="bias reads x1_meas, x2_meas"):
+        check_flow([vehicle, offset, exact.stage.block()])  # in this order
 
 
 def test_what_the_scenario_prescribes_may_be_read_by_all():
@@ -363,6 +363,6 @@ def test_a_flight_whose_laws_read_what_nothing_writes_is_not_built(monkeypatch):
     # the sensors' chain without its first: found when the flight is built, not in its history
     from uavftc import sensors
 
-    monkeypatch.setattr(sensors, "CHAIN", (gyro,))
+    monkeypatch.setattr(sensors, "CHAIN", (bias,))
     with pytest.raises(ValueError, match=r"reads x1_meas, x2_meas, which nothing before it has written"):
         build_flight(load_scenario("scenario1", plant="analytic"))

@@ -90,7 +90,7 @@ def test_column_takes_the_field_and_index_it_names():
     rows = np.arange(2 * WIDTH, dtype=float).reshape(2, WIDTH)
     records = as_records(rows)
     for c in COLUMNS:
-        if c.name == "psi_rad":
+        if c.name in ("psi_rad", "psi_meas_rad"):  # wrapped
             continue
         position = ROW.fields[c.field][1] // 8 + (c.component or 0)
         np.testing.assert_array_equal(column(records, c.name), [position, position + WIDTH], err_msg=c.name)
@@ -98,6 +98,7 @@ def test_column_takes_the_field_and_index_it_names():
         ("q_ref_radps", "v1", 1),
         ("rudder_cmd_rad", "v2", 2),
         ("aileron_rad", "u2", 0),
+        ("theta_meas_rad", "x1_meas", 1),
         ("r_meas_radps", "x2_meas", 2),
     ):
         np.testing.assert_array_equal(column(records, name), records[field][:, component])
@@ -105,17 +106,18 @@ def test_column_takes_the_field_and_index_it_names():
         column(records, "no_such_column")
 
 
+@pytest.mark.parametrize(("name", "field"), [("psi_rad", "x1"), ("psi_meas_rad", "x1_meas")])
 @settings(deadline=None)
 @given(psi=ANGLE, psi_c=ANGLE)
-def test_heading_is_published_within_half_a_turn_of_its_reference(psi, psi_c):
-    # psi is continuous in the row; in the history it is next to its reference, whole turns away
+def test_heading_is_published_within_half_a_turn_of_its_reference(name, field, psi, psi_c):
+    # psi is continuous in the row; in the history it is next to its reference, whole turns away; measured too
     records = as_records(empty_rows(1))
-    records["x1"][0, 2], records["x1_c"][0, 2] = psi, psi_c
-    (published,) = column(records, "psi_rad")
+    records[field][0, 2], records["x1_c"][0, 2] = psi, psi_c
+    (published,) = column(records, name)
     assert abs(published - psi_c) <= np.pi + 1e-9
     turns = (published - psi) / (2 * np.pi)
     assert turns == pytest.approx(round(turns), abs=1e-9)
-    assert records["x1"][0, 2] == psi  # the row itself is left alone
+    assert records[field][0, 2] == psi  # the row itself is left alone
 
 
 @settings(deadline=None)

@@ -15,7 +15,7 @@ import uavftc
 from uavftc.actuators import saturation
 from uavftc.core.signals import EFFECTOR, ROW, as_records, empty_rows
 from uavftc.core.stage import NOTHING, RAW, Stage, floats, law, params_of, records_of
-from uavftc.sensors import exact, gyro
+from uavftc.sensors import bias, exact
 
 GAIN = np.dtype([("gain", "f8", (3,)), ("K", "f8", (3, 3)), ("k", "f8"), ("n", "i8")])
 
@@ -124,7 +124,7 @@ def test_a_law_that_is_not_decorated_is_compiled_the_same():
 
 def test_stage_compiles_when_its_address_is_asked_for_and_once():
     # importing a law costs nothing; two blocks share one machine code
-    assert gyro.stage.address == gyro.stage.address != 0
+    assert bias.stage.address == bias.stage.address != 0
     fresh = Stage(exact.step, exact.PARAMS, exact.STATE)
     assert "address" not in vars(fresh)
     assert fresh.address
@@ -142,9 +142,9 @@ def test_memory_that_is_not_given_is_zero_and_each_blocks_own():
 
 def test_parameters_are_given_completely_and_by_name():
     # a forgotten or misspelt parameter must not become a zero
-    record = params_of(gyro.PARAMS, bias=[1.0, 2.0, 3.0])
+    record = params_of(bias.PARAMS, attitude=0.0, gyro=[1.0, 2.0, 3.0])
     assert record.shape == (1,)
-    np.testing.assert_array_equal(record["bias"][0], [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(record["gyro"][0], [1.0, 2.0, 3.0])
     with pytest.raises(TypeError, match="u_max"):
         params_of(saturation.PARAMS, u_min=-1.0)
     with pytest.raises(TypeError, match="u_maxx"):
@@ -176,8 +176,8 @@ def test_records_of_several_effectors_have_one_entry_each():
     # entries are counted: five limits for three effectors are an error, not three limits
     records = records_of(saturation.PARAMS, 3, u_min=[-1.0, -2.0, -3.0], u_max=[1.0, 2.0, 3.0])
     np.testing.assert_array_equal(records["u_min"], [-1.0, -2.0, -3.0])
-    filled = records_of(gyro.PARAMS, 2, bias=[1.0, 2.0])  # a number a record fills its vector
-    np.testing.assert_array_equal(filled["bias"], [[1.0] * 3, [2.0] * 3])
+    filled = records_of(bias.PARAMS, 2, attitude=[0.0, 0.0], gyro=[1.0, 2.0])  # a number a record fills its vector
+    np.testing.assert_array_equal(filled["gyro"], [[1.0] * 3, [2.0] * 3])
     for wrong in ([1.0] * 5, [1.0] * 2, [[1.0], [2.0], [3.0]]):
         with pytest.raises(ValueError, match="parameter u_max"):
             records_of(saturation.PARAMS, 3, u_min=[-1.0] * 3, u_max=wrong)

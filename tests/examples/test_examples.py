@@ -159,26 +159,27 @@ class TestJam:
         assert "faults[1] on [2, end) s overlaps faults[0] on [1, end) s, both on the rudder" in overlap
 
 
-class TestGyroScale:
-    CHAIN = ("uavftc.sensors.CHAIN", "gyro_scale")
+class TestGyroRange:
+    CHAIN = ("uavftc.sensors.CHAIN", "gyro_range")
 
-    def test_the_controller_is_shown_the_scaled_rates(self, tmp_path):
+    def test_the_controller_is_shown_rates_within_the_range(self, tmp_path):
         # after the bias, as in the chain; the vehicle's own rates stay what they are
-        sensors = "sensors: {gyro_bias_degps: [0.1, 0, 0], gyro_scale_error: [0.02, -0.05, 0]}\n"
-        wrong = [HEAD + "sensors: {gyro_scale: 0.02}\n"]
+        sensors = "sensors: {gyro_bias_degps: [0.1, 0, 0], gyro_range_degps: [0.5, 1.5, 20]}\n"
+        wrong = [HEAD + "sensors: {gyro_rang_degps: 0.02}\n"]
         records, found = flown(tmp_path, HEAD + sensors, *self.CHAIN, wrong=wrong)
         assert found.completed
-        assert [name for name in found.blocks if name in ("exact", "gyro", "gyro_scale")] == [
-            "exact", "gyro", "gyro_scale",
+        assert [name for name in found.blocks if name in ("exact", "sensor_bias", "gyro_range")] == [
+            "exact", "sensor_bias", "gyro_range",
         ]  # fmt: skip
-        assert np.abs(records["x2"]).max() > 0.01
-        expected = (records["x2"] + np.radians([0.1, 0.0, 0.0])) * [1.02, 0.95, 1.0]
-        np.testing.assert_allclose(records["x2_meas"], expected, rtol=1e-15, atol=1e-18)
-        assert "sensors: {gyro_bias_degps: [0.1, 0.0, 0.0], gyro_scale_error: [0.02, -0.05, 0.0]}" in found.text
-        assert "gyro_scale_error" in found.schema["$defs"]["Sensors"]["properties"]
+        most = np.radians([0.5, 1.5, 20.0])
+        assert (np.abs(records["x2"]).max(axis=0) > most).tolist() == [True, True, False]
+        expected = np.clip(records["x2"] + np.radians([0.1, 0.0, 0.0]), -most, most)
+        np.testing.assert_array_equal(records["x2_meas"], expected)
+        assert "  gyro_range_degps: [0.5, 1.5, 20.0]" in found.text
+        assert "gyro_range_degps" in found.schema["$defs"]["Sensors"]["properties"]
         (unknown,) = found.refused.values()
-        assert "line 5, key sensors.gyro_scale" in unknown
-        assert "expected: one of gyro_bias_degps, gyro_scale_error" in unknown
+        assert "line 5, key sensors.gyro_rang_degps" in unknown
+        assert "did you mean gyro_range_degps?" in unknown
 
 
 class TestProportional:

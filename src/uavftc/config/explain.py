@@ -16,6 +16,10 @@ from uavftc.errors import InputError
 
 MAX_SHOWN = 8  # errors reported at once: a message fits on a screen of 40 lines
 _UNITS = {
+    "degps_per_rthz": "deg/s/sqrt(Hz)",
+    "deg_per_rthz": "deg/sqrt(Hz)",
+    "degps_per_rts": "deg/s/sqrt(s)",
+    "deg_per_rts": "deg/sqrt(s)",
     "degps2": "deg/s^2",
     "degps": "deg/s",
     "deg": "deg",

@@ -113,6 +113,11 @@ PositiveVector3 = Annotated[
     BeforeValidator(_three),
     _three_schema({"type": "number", "exclusiveMinimum": 0}),
 ]
+NonNegativeVector3 = Annotated[
+    tuple[NonNegative, NonNegative, NonNegative],
+    BeforeValidator(_three),
+    _three_schema({"type": "number", "minimum": 0}),
+]
 _Row = tuple[Number, Number, Number]
 Matrix3 = Annotated[tuple[_Row, _Row, _Row], BeforeValidator(_matrix)]
 

@@ -140,6 +140,7 @@ COLUMNS: tuple[Column, ...] = (
     *_vector("bias", ("bias_aileron_rad", "bias_elevator_rad", "bias_rudder_rad")),
     *_vector("d1", ("d1_phi_radps", "d1_theta_radps", "d1_psi_radps")),
     *_vector("d2", ("d2_p_radps2", "d2_q_radps2", "d2_r_radps2")),
+    *_vector("x1_meas", ("phi_meas_rad", "theta_meas_rad", "psi_meas_rad")),
     *_vector("x2_meas", ("p_meas_radps", "q_meas_radps", "r_meas_radps")),
     *_vector("wind_n", ("wind_north_mps", "wind_east_mps", "wind_down_mps")),
     *_vector("gust_rates", ("p_gust_radps", "q_gust_radps", "r_gust_radps")),
@@ -167,9 +168,9 @@ def as_records(rows: np.ndarray, shape: Shape | None = None) -> np.ndarray:
     return rows.view(row_type(shape))[:, 0]
 
 
-def heading_near_reference(records: np.ndarray) -> np.ndarray:
-    """Return psi, shape (n,), rad, moved by whole turns to within pi of its reference."""
-    psi, psi_c = records["x1"][:, 2], records["x1_c"][:, 2]
+def heading_near_reference(records: np.ndarray, field: str = "x1") -> np.ndarray:
+    """Return psi of an attitude, shape (n,), rad, moved by whole turns to within pi of its reference."""
+    psi, psi_c = records[field][:, 2], records["x1_c"][:, 2]
     turn = 2.0 * np.pi
     return psi - turn * np.round((psi - psi_c) / turn)
 
@@ -182,7 +183,7 @@ def attitude_error(records: np.ndarray) -> np.ndarray:
 
 
 def column(records: np.ndarray, wanted: str | Column) -> np.ndarray:
-    """Return one published column, shape (n,), heading wrapped to within pi of its reference.
+    """Return one published column, shape (n,), headings wrapped to within pi of its reference.
 
     Raises
     ------
@@ -190,8 +191,8 @@ def column(records: np.ndarray, wanted: str | Column) -> np.ndarray:
         If no column has this name.
     """
     spec = _BY_NAME[wanted] if isinstance(wanted, str) else wanted
-    if spec.name == "psi_rad":
-        return heading_near_reference(records)
+    if spec.name in ("psi_rad", "psi_meas_rad"):
+        return heading_near_reference(records, spec.field)
     if spec.effector is not None:
         return np.asarray(spec.sign * (spec.offset + records["effectors"][spec.field][:, spec.effector]))
     values = records[spec.field]

@@ -12,6 +12,7 @@ from uavftc.config.effect import faults
 from uavftc.config.values import AtLeast, Problem, Signal, Window, key_text, window_of
 from uavftc.environment import KINDS
 from uavftc.scenario.controllers import LOOPS, Controller
+from uavftc.sensors import CHAIN as SENSORS
 
 Scenario = Any  # of `schema.py`, which imports this file
 
@@ -58,13 +59,18 @@ def warnings(scenario: Scenario) -> list[str]:
 
 
 def entries(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Any, Any]]:
-    """Yield the key, the effect and the entry of each fault and disturbance, in the order of the file."""
+    """Yield the key, the effect and the entry of each fault, disturbance and window of a sensor, in their order."""
     for section, kinds in (
         ("faults", faults((*CHAIN, *ENGINES))),
         ("disturbances", [(kind, kind.Config) for kind in KINDS]),
     ):
         for i, entry in enumerate(getattr(scenario, section)):
             yield from (((section, i), effect, entry) for effect, config in kinds if isinstance(entry, config))
+    for effect in SENSORS:
+        for name in effect.Config.model_fields if hasattr(effect, "Config") else ():
+            value = getattr(scenario.sensors, name)
+            windows = value if isinstance(value, tuple) and value and isinstance(value[0], Window) else ()
+            yield from ((("sensors", name, i), effect, entry) for i, entry in enumerate(windows))
 
 
 def damage_of(scenario: Scenario) -> list[tuple[tuple[str | int, ...], Any]]:
