@@ -225,6 +225,13 @@ def is_a_kind(effect: ModuleType) -> bool:
     return isinstance(effect.Config, type) and "kind" in effect.Config.model_fields
 
 
+@named([(group, effect) for group, effect in EVERY if hasattr(effect, "FAULT")])
+def test_a_fault_that_changes_an_effect_is_a_kind_with_a_label(group: str, effect: ModuleType) -> None:
+    # entries of `faults` are told apart by their kind, and figures write the label into the window
+    assert isinstance(effect.FAULT.model_fields["kind"].default, str)
+    assert isinstance(effect.FAULT.label, property)
+
+
 @named(LAWS)
 def test_its_stage_is_made_of_its_step(group: str, effect: ModuleType) -> None:
     # one implementation of each law, with the records it says

@@ -152,7 +152,7 @@ class TestJam:
         assert "expected: one of kind, start_s, end_s, known, known_after_s, surface" in key
         assert "it belongs to kind effectiveness" in key
         assert "key faults[0].kind" in kind
-        assert "expected: one of effectiveness, intermittent" in kind
+        assert "effectiveness, intermittent" in kind
         assert "did you mean stuck?" in kind
         assert "key faults[0].surface" in surface
         assert "expected: a text" in surface

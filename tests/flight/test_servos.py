@@ -157,8 +157,8 @@ def test_an_own_name_puts_a_servo_ahead_of_the_aircrafts_and_says_that_both_act(
     # the command of that surface comes later, and those of the others do not
     flight, records = of_tail(tail, "actuators={tail_l: {delay_s: 0.05}}", "simulation.substeps=1")
     (said,) = (note for note in notes_of(flight) if note.startswith("actuators"))
-    assert "actuators.tail_l: acts ahead of what tail_l of" in said
-    assert f"has a servo of its own ({OWN}): both act" in said
+    assert said.startswith("actuators.tail_l: tail_l of")
+    assert said.endswith(f"has a servo of its own ({OWN}), and what is given here acts ahead: both act")
     assert "servo_delay" in flight.program.names
     params = flight.program["servo_delay"].state
     j = flight.given.effectors.index("tail_l")

@@ -43,6 +43,11 @@ class Widened(SurfaceFault):
     width_deg: Positive
     """width, from one side to the other, > 0; a play that is wider by itself stays as it is"""
 
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return f"{self.width_deg:g} deg of backlash"
+
 
 FAULT = Widened
 

@@ -40,6 +40,11 @@ class Widened(SurfaceFault):
     width_deg: Positive
     """width of the band, > 0; a servo whose own is wider keeps it"""
 
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return f"{self.width_deg:g} deg of dead band"
+
 
 FAULT = Widened
 

@@ -85,6 +85,11 @@ class Slowed(SurfaceFault):
     rate_degps: Positive
     """greatest rate of the servo, > 0; one that is slower by itself stays so"""
 
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return f"at most {self.rate_degps:g} deg/s"
+
 
 FAULT = Slowed
 

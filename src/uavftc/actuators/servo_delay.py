@@ -48,6 +48,11 @@ class Added(SurfaceFault):
     delay_s: Positive
     """delay added to the servo's own, > 0"""
 
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return f"{1e3 * self.delay_s:g} ms late"
+
 
 FAULT = Added
 

@@ -52,8 +52,8 @@ def remarks(scenario: Scenario, given: Given) -> list[str]:
     return [
         *(f"actuators: {', '.join(names)} of {scenario.aircraft} {_have(names)} of {_own(names)} own ({text}), so the "
           f"common keys leave {'them' if len(names) > 1 else 'it'} out" for text, names in left.items()),
-        *(f"actuators.{key}: acts ahead of what {', '.join(names)} of {scenario.aircraft} {_have(names)} of "
-          f"{_own(names)} own ({text}): both act" for (key, text), names in both.items()),
+        *(f"actuators.{key}: {', '.join(names)} of {scenario.aircraft} {_have(names)} of {_own(names)} own ({text}), "
+          f"and what is given here acts ahead: both act" for (key, text), names in both.items()),
     ]  # fmt: skip
 
 
