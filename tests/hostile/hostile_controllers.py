@@ -259,6 +259,29 @@ MODULES = {
     ),
     "create interrupts": "def create(d, h, o): raise KeyboardInterrupt",
     "create exits": "def create(d, h, o): raise SystemExit(0)",
+    "create returns three": "def create(d, h, o): return (lambda t, a, b, c: (0, 0, 0)), {}, 1",
+    "create returns a tuple of nothing": "def create(d, h, o): return ()",
+    "signals are no map": "def create(d, h, o): return (lambda t, a, b, c: (0, 0, 0)), [('w', '1')]",
+    "a signal whose unit raises": (
+        "class R:\n    def __repr__(s): raise RuntimeError\n    __eq__ = __hash__ = __repr__\n"
+        "def create(d, h, o): return (lambda t, a, b, c: (0, 0, 0)), {'w': R(), 'v': (R(), R())}"
+    ),
+    "a signal whose name raises": (
+        "class R(str):\n    def __repr__(s): raise RuntimeError\n"
+        "def create(d, h, o): return (lambda t, a, b, c: (0, 0, 0)), {R('w'): '1'}"
+    ),
+    "a signal of endless labels": (
+        "import itertools\ndef create(d, h, o): return (lambda t, a, b, c: (0, 0, 0)), {'w': ('1', itertools.count())}"
+    ),
+    "a signal of too many numbers": "def create(d, h, o): return (lambda t, a, b, c: (0, 0, 0)), {'w': ('1', 10**18)}",
+    "a signal whose name steers a terminal": (
+        "def create(d, h, o): return (lambda t, a, b, c: (0, 0, 0)), {chr(27) + '[2J': '1'}"
+    ),
+    "a step that asks for what there is not": "def create(d, h, o): return lambda t, a, b, c, *, banana: (0, 0, 0)",
+    "a step whose signature raises, and that takes more": (
+        "class C:\n    @property\n    def __signature__(s): raise SystemExit(0)\n"
+        "    def __call__(s, t, a, b, c, positions): return 0, 0, 0\ndef create(d, h, o): return C()"
+    ),
     "create is a generator": "def create(d, h, o):\n    yield 1",
     "create is a coroutine": "import warnings\nwarnings.simplefilter('ignore')\nasync def create(d, h, o): pass",
     "create changes its design": "def create(d, h, o):\n    d.B = 5\n    return lambda t, a, b, c: [d.B @ a] * 3",

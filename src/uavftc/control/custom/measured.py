@@ -131,16 +131,15 @@ def _more(step: Callable[..., Any]) -> list[inspect.Parameter]:
     try:
         with guard.armed():
             parameters = list(inspect.signature(step).parameters.values())
+            kinds = inspect.Parameter
+            placed = [p for p in parameters if p.kind in (kinds.POSITIONAL_ONLY, kinds.POSITIONAL_OR_KEYWORD)]
+            first = {p.name for p in placed[:4]}
+            named = (kinds.POSITIONAL_OR_KEYWORD, kinds.KEYWORD_ONLY)
+            return [p for p in parameters if p.kind in named and p.name not in first]
     except BaseException as error:  # it does not say; then it asks for nothing
         if guard.is_users(error):
             raise
         return []
-    kinds = inspect.Parameter
-    placed = [p for p in parameters if p.kind in (kinds.POSITIONAL_ONLY, kinds.POSITIONAL_OR_KEYWORD)]
-    first = {p.name for p in placed[:4]}
-    return [
-        p for p in parameters if p.kind in (kinds.POSITIONAL_OR_KEYWORD, kinds.KEYWORD_ONLY) and p.name not in first
-    ]
 
 
 def recalled(names: tuple[str, ...]) -> bool:
