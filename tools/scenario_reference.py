@@ -1,7 +1,7 @@
-"""Render the tables of keys in docs/scenarios.md from the code: the sections of the schema, and the order of the chain.
+"""Render the tables of docs/scenarios.md and docs/custom-controller.md from the code: keys, chain, what a step is told.
 
     python tools/scenario_reference.py            # write them
-    python tools/scenario_reference.py --check    # exit code 1 if the page is not what the code says
+    python tools/scenario_reference.py --check    # exit code 1 if a page is not what the code says
 
 Each table stands between ``<!-- keys: NAME -->`` and ``<!-- end -->``; what is between them is written here.
 """
@@ -25,13 +25,17 @@ from uavftc.config.described import descriptions
 from uavftc.config.effect import Effect, configs, default_kind
 from uavftc.config.explain import unit_of
 from uavftc.config.values import Signal
+from uavftc.control.custom.known import parameters_of
+from uavftc.control.custom.measured import MEASURED
+from uavftc.control.custom.own_signals import UNITS
 from uavftc.control.rbf import Rbf
 from uavftc.environment import KINDS, gust_train, shear, turbulence
 from uavftc.scenario import damage, schema
 from uavftc.scenario.controllers import LOOPS, Controller, CustomController
 from uavftc.sensors import dropout, stuck
 
-PAGE = Path(__file__).parents[1] / "docs" / "scenarios.md"
+DOCS = Path(__file__).parents[1] / "docs"
+PAGES = [DOCS / "scenarios.md", DOCS / "custom-controller.md"]
 
 
 def shown(value: Any) -> str:
@@ -140,6 +144,35 @@ def disturbances() -> list[str]:
     return lines
 
 
+def measured() -> list[str]:
+    """Return the table of what a step in plain Python may ask for."""
+    lines = ["| argument | shape | unit | plant | meaning |", "|---|---|---|---|---|"]
+    for name, quantity in MEASURED.items():
+        plant = "`jsbsim`" if quantity.field else ""
+        cells = [f"`{name}`", quantity.shape, quantity.unit, plant, quantity.meaning]
+        lines.append(f"| {' | '.join(cells)} |".replace("|  |", "| |").replace("|  |", "| |"))
+    return lines
+
+
+def known_faults() -> list[str]:
+    """Return the table of the fields that the record of a known fault has of its kind."""
+    lines = ["| kind | on | field | unit | meaning |", "|---|---|---|---|---|"]
+    for config in schema.FAULTS:
+        meanings = descriptions(config)
+        on = "engine" if "engine" in config.model_fields else "surface"
+        for key, field in parameters_of(config).items() or [("", "")]:
+            meaning = re.sub(r"^signal[,:] ", "", meanings[key]) if key else meanings["kind"]
+            meaning = re.sub(r"_deg(p?s?2?)`", r"_rad\1`", meaning).replace("`null`", "`None`")
+            cells = [f"`{default_kind(config)}`", on, f"`{field}`" if field else "", unit_of(field), meaning]
+            lines.append(f"| {' | '.join(cells)} |".replace("|  |", "| |").replace("|  |", "| |"))
+    return lines
+
+
+def units() -> list[str]:
+    """Return the units of a controller's own signals and how their columns end."""
+    return ["; ".join(f"{unit} `{ending}`" if ending else f"{unit} (none)" for unit, ending in UNITS.items()) + "."]
+
+
 TABLES: dict[str, Callable[[], list[str]]] = {
     "scenario": lambda: table(schema.Scenario),
     "initial": lambda: table(schema.Initial),
@@ -164,6 +197,9 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "stuck": lambda: table(stuck.StuckAttitude),
     "sensors": lambda: table(*configs(sensors.CHAIN, "KEYS_IN", "sensors")),
     "envelope": lambda: table(schema.Envelope),
+    "measured": measured,
+    "known faults": known_faults,
+    "units of signals": units,
     "simulation": lambda: table(schema.Simulation),
 }
 
@@ -183,18 +219,19 @@ def rendered(page: str) -> str:
 
 
 def main() -> None:
-    """Write the page, or check it."""
-    parser = argparse.ArgumentParser(description="Render the tables of keys in docs/scenarios.md from the code.")
-    parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 if the page is out of date")
+    """Write the pages, or check them."""
+    parser = argparse.ArgumentParser(description="Render the tables of two pages in docs from the code.")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 if a page is out of date")
     arguments = parser.parse_args()
-    page = PAGE.read_text(encoding="utf-8")
-    new = rendered(page)
-    missing = [name for name in TABLES if f"<!-- keys: {name} -->" not in page]
-    if arguments.check and (new != page or missing):
-        print(f"{PAGE.name} is out of date{f', without {missing}' if missing else ''}: run {Path(__file__).name}")
-        sys.exit(1)
-    if not arguments.check:
-        PAGE.write_text(new, encoding="utf-8", newline="\n")
+    pages = {path: path.read_text(encoding="utf-8") for path in PAGES}
+    missing = [name for name in TABLES if not any(f"<!-- keys: {name} -->" in page for page in pages.values())]
+    for path, page in pages.items():
+        new = rendered(page)
+        if arguments.check and (new != page or missing):
+            print(f"{path.name} is out of date{f', without {missing}' if missing else ''}: run {Path(__file__).name}")
+            sys.exit(1)
+        if not arguments.check:
+            path.write_text(new, encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":

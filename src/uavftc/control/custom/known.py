@@ -31,10 +31,10 @@ class _Entry(NamedTuple):
 def fields_of(config: type[Model]) -> tuple[str, ...]:
     """Return the fields of the record of a kind of fault, in their order."""
     own = config.model_fields
-    return (*(n for n in _HEAD if n not in ("surface", "engine") or n in own), *_parameters(config).values())
+    return (*(n for n in _HEAD if n not in ("surface", "engine") or n in own), *parameters_of(config).values())
 
 
-def _parameters(config: type[Model]) -> dict[str, str]:
+def parameters_of(config: type[Model]) -> dict[str, str]:
     """Return the keys of a kind of fault that are its parameters, with their names in a record."""
     return {key: _IN_DEGREES.sub("_rad", key) for key in config.model_fields if key not in _NOT_SHOWN}
 
@@ -55,10 +55,10 @@ class Known:
 
     def first_of_each_kind(self) -> list[tuple[float, Any]]:
         """Return one record of each kind that will be known, with when it is first."""
-        found: dict[str, tuple[float, Any]] = {}
+        found: dict[tuple[str, ...], tuple[float, Any]] = {}
         for e in self._entries:
             record = e.record(e.from_s)
-            found.setdefault(record.kind, (e.from_s, record))
+            found.setdefault((record.kind, *record._fields), (e.from_s, record))
         return list(found.values())
 
 
@@ -75,7 +75,7 @@ def _maker(fault: Any, given: Given) -> Callable[[float], Any]:
     members = given.targets.get(surface, {}) if surface is not None else {}
     effectors = tuple(given.effectors[j] for j in members)
     head = {"kind": fault.kind, "surface": surface, "engine": engine, "effectors": effectors, "since_s": fault.start_s}
-    named = _parameters(config)
+    named = parameters_of(config)
     given_values = {key: getattr(fault, key) for key in named}
 
     def record(t: float) -> Any:
