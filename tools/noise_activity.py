@@ -3,24 +3,20 @@
     python tools/noise_activity.py                              # scenario3, 0 and 0.05 deg/s, L1 and MRAC
     python tools/noise_activity.py scenario2 --rms-degps 0 0.01 0.05 0.2 --seeds 5
 
-A scenario has exact sensors but for a bias, so the noise is put between the sensors and the controller here: Gaussian,
-independent from sample to sample and from axis to axis, with the given rms. It is one more effect at the end of
-`sensors.CHAIN`. Printed for each surface: the mean over the seeds of the sum of |change| of the command, rad.
+The noise is `sensors.gyro_noise_density_degps_per_rthz` with the given rms at the samples of the controller: Gaussian,
+independent from sample to sample and from axis to axis. Printed for each surface: the mean over the seeds of the sum of
+|change| of the command, rad.
 """
 
 from __future__ import annotations
 
 import argparse
-from types import SimpleNamespace
-from typing import Any
+import math
 
 import numpy as np
 
-from uavftc import sensors
 from uavftc.analysis.metrics import metrics_of
-from uavftc.core.given import Given
-from uavftc.core.signals import AXES, SURFACES, as_records
-from uavftc.core.stage import PythonBlock
+from uavftc.core.signals import AXES, SURFACES
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.scenario.load import load_scenario
@@ -28,30 +24,13 @@ from uavftc.scenario.load import load_scenario
 CONTROLLERS = ("nndondi-l1", "nndondi-mrac")
 
 
-def noise(rms_degps: float, seed: int) -> Any:
-    """Return an effect for `sensors.CHAIN`: white noise on x2_meas."""
-
-    def blocks(_config: object, given: Given) -> list[PythonBlock]:
-        values = np.radians(rms_degps) * np.random.default_rng(seed).standard_normal((given.steps + 1, 3))
-        samples = iter(values)
-
-        def step(row: np.ndarray) -> None:
-            as_records(row[None])["x2_meas"][0] += next(samples)
-
-        return [PythonBlock("gyro noise", step)] if rms_degps else []
-
-    return SimpleNamespace(blocks=blocks, __name__="gyro noise")
-
-
 def activity(scenario: str, controller: str, rms_degps: float, seed: int, plant: str = "jsbsim") -> np.ndarray:
     """Return the control activity of aileron, elevator and rudder, shape (3,), rad; nan where the flight is lost."""
-    chain = sensors.CHAIN
-    sensors.CHAIN = (*chain, noise(rms_degps, seed))
-    try:
-        flight = build_flight(load_scenario(scenario, plant=plant, controller=controller))
-    finally:
-        sensors.CHAIN = chain
-    records, outcome = fly_to_memory(flight)
+    exact = load_scenario(scenario, plant=plant, controller=controller)
+    density = rms_degps / math.sqrt(0.5 * exact.controller.rate_hz)
+    noise = (f"seed={seed}", f"sensors.gyro_noise_density_degps_per_rthz={density!r}")
+    noisy = load_scenario(scenario, plant=plant, controller=controller, overrides=noise)
+    records, outcome = fly_to_memory(build_flight(noisy))
     if not outcome.completed:
         return np.full(3, np.nan)
     axes = metrics_of(records)

@@ -55,7 +55,7 @@ CAPTIONS: dict[int, str] = {number: f"{HEADINGS[number]} {_PANELS[number]}".stri
 
 NOISY = (
     "The gyro is exact here. With white noise of 0.05 deg/s rms on it the surfaces of L1 travel 22 to 35 rad in "
-    "scenario 3 on JSBSim (without: 0.1 to 1.0) and those of MRAC 107 to 142: four to five times as far, not a hundred "
+    "scenario 3 on JSBSim (without: 0.1 to 1.0) and those of MRAC 106 to 143: four to five times as far, not a hundred "
     "(python tools/noise_activity.py)."
 )
 """Measured by the tool it names; tests/control/test_noise.py repeats it."""
