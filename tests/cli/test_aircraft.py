@@ -13,6 +13,7 @@ import time
 import pytest
 from typer.testing import CliRunner
 
+from uavftc.aircraft.definition import Aircraft
 from uavftc.cli.app import umbrella
 from uavftc.core.cache import cache_folder
 from uavftc.jobs.design import fleet
@@ -90,7 +91,7 @@ def test_what_was_not_finished_is_not_kept(few, monkeypatch):
 def test_a_change_of_the_files_is_measured_anew(few, monkeypatch, tmp_path):
     before = fleet._file("hale")
     assert before != fleet._file("jsbsim:c172p")
-    monkeypatch.setattr(fleet.Aircraft, "sha256", lambda self: "0" * 64)
+    monkeypatch.setattr(Aircraft, "sha256", lambda self: "0" * 64)
     assert fleet._file("hale") != before
 
 
