@@ -45,6 +45,8 @@ class Moved(NamedTuple):
     servo: np.ndarray
     """Where the servo is at each sample, shape (N, n), rad."""
     blocks: tuple[str, ...]
+    program: Program
+    given: Given
 
 
 def scenario(n: int, actuators: Any = None, faults: Any = ()) -> Scenario:
@@ -82,7 +84,8 @@ def moved(
         assert program.run(rows, first, last) == last
     every = seen["deflection"][:, : n * substeps].T
     np.testing.assert_array_equal(records["effectors"]["deflection"], every[::substeps])
-    return Moved(every, records["effectors"]["servo"].copy(), tuple(block.name for block in blocks))
+    names = tuple(block.name for block in blocks)
+    return Moved(every, records["effectors"]["servo"].copy(), names, program, known)
 
 
 __all__ = ["RATE_HZ", "H", "Moved", "given", "moved", "scenario"]

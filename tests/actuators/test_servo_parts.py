@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from moved import H, given, moved, scenario
 
-from uavftc.actuators import servo_delay
-from uavftc.actuators.servo import servos
+from uavftc.actuators import CHAIN, servo_delay
+from uavftc.actuators.servo import farthest, servos
 from uavftc.config.effect import config_of
 
 N = 80
@@ -167,6 +167,81 @@ def test_faults_that_follow_each_other_on_one_servo_each_have_their_window():
     )
 
 
+# --- what a fault changed --------------------------------------------------------------------------------------------
+
+REST = np.zeros(N)
+EARLY = np.where(T < 0.05, WAVE, WAVE[9])  # a command that rests before the window begins
+
+
+def apart(commands, keys, *faults, **more):
+    """Return how far each fault moved the servo, rad."""
+    got = moved(commands, keys, faults, **more)
+    laws = {effect.FAULT: effect for effect in CHAIN if hasattr(effect, "FAULT")}
+    found = []
+    for i, entry in enumerate(got.given.faults):
+        law = laws[type(entry)]
+        found.append(farthest(got.program[law.stage.name], law.FIRST, type(entry), i, got.given))
+    return found
+
+
+@pytest.mark.parametrize("substeps", [1, 2])
+def test_a_fault_of_a_servo_that_had_nothing_to_do_moved_it_by_nothing(substeps):
+    # commands at rest, a rate that is never reached (WAVE: at most 72 deg/s), a servo worse by itself
+    on = {"surface": "aileron", **WINDOW}
+    for commands, keys, fault in (
+        (REST, None, {"kind": "deadband", "width_deg": 5}),
+        (REST, None, {"kind": "backlash", "width_deg": 5}),
+        (EARLY, None, {"kind": "delay", "delay_s": 0.1}),
+        (EARLY, None, {"kind": "rate-limit", "rate_degps": 0.1}),
+        (WAVE, {"bandwidth_radps": 57}, {"kind": "rate-limit", "rate_degps": 80}),
+        (WAVE, {"bandwidth_radps": 57, "damping": 0.7}, {"kind": "rate-limit", "rate_degps": 100}),
+        (WAVE, {"rate_limit_degps": 5}, {"kind": "rate-limit", "rate_degps": 20}),
+        (WAVE, {"backlash_deg": 2}, {"kind": "backlash", "width_deg": 1}),
+        (WAVE, {"deadband_deg": 2}, {"kind": "deadband", "width_deg": 1}),
+    ):
+        (most,) = apart(commands, keys, {**fault, **on}, substeps=substeps)
+        assert most <= 1e-15, fault
+
+
+def test_a_fault_of_a_servo_knows_how_far_it_moved_it():
+    # by what each law takes away in the window: all within the band, the first push of the play, the age of a command
+    inside = slice(FIRST, LAST)
+    on = {"surface": "rudder", **WINDOW}
+    assert apart(WAVE, None, {"kind": "deadband", "width_deg": 10, **on}) == [np.abs(WAVE[inside]).max()]
+    assert apart(WAVE, {"deadband_deg": 1}, {"kind": "deadband", "width_deg": 2, **on}) == pytest.approx(
+        [np.radians(0.5)], abs=1e-15
+    )
+    assert apart(WAVE, None, {"kind": "backlash", "width_deg": 1, **on}) == pytest.approx([np.radians(0.5)], abs=1e-15)
+    waits = np.maximum(np.arange(FIRST, LAST) - 4, FIRST - 1)
+    assert apart(WAVE, None, {"kind": "delay", "delay_s": 4 * H, **on}) == [np.abs(WAVE[inside] - WAVE[waits]).max()]
+    # an ideal servo of a rate: behind by the step of the command less what it may move, at the first step
+    step = abs(WAVE[FIRST] - WAVE[FIRST - 1]) - np.radians(1.0) * H
+    assert apart(WAVE, None, {"kind": "rate-limit", "rate_degps": 1, **on}, at_end=True) == pytest.approx(
+        [step], abs=1e-15
+    )
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        {"kind": "rate-limit", "rate_degps": 1},
+        {"kind": "delay", "delay_s": 0.02},
+        {"kind": "backlash", "width_deg": 1},
+        {"kind": "deadband", "width_deg": 1},
+    ],
+)
+def test_of_several_faults_on_a_servo_each_knows_its_share(kind):
+    # commands of the left aileron begin at row 50: the fault before is idle, the next is not
+    late = np.zeros((N, 4))
+    late[50:, LEFT] = WAVE[: N - 50]
+    windows = [("left_aileron", 0.3, None), ("left_aileron", 0.1, 0.2), ("rudder", 0.0, None), ("aileron", 0.2, 0.3)]
+    faults = [{**kind, "surface": name, "start_s": a, "end_s": b} for name, a, b in windows]
+    first, second, third, fourth = apart(late, None, *faults)
+    assert second == third == 0.0
+    assert first > 1e-4
+    assert fourth > 1e-4
+
+
 # --- whose keys ------------------------------------------------------------------------------------------------------
 
 
@@ -200,6 +275,6 @@ def test_common_keys_leave_out_an_effector_with_a_servo_of_the_aircrafts():
 def test_the_line_is_as_long_as_the_longest_delay_and_no_longer_than_the_flight():
     of = scenario(N, {"delay_s": 0.01}, [{"kind": "delay", "surface": "rudder", "delay_s": 3600, "start_s": 0.3}])
     (block,) = servo_delay.blocks(config_of(servo_delay, of), given(of))
-    assert block.state.shape == (4, 1 + 3 + 1 + N + 2)  # age, schedule, place in the line, line
+    assert block.state.shape == (4, 1 + 5 + 1 + N + 2)  # age, schedule, place in the line, line
     got = moved(WAVE, {"delay_s": 0.01}, [{"kind": "delay", "surface": "rudder", "delay_s": 3600, "start_s": 0.3}])
     np.testing.assert_array_equal(got.every[60:, RUDDER], got.every[59, RUDDER])  # it waits till the end

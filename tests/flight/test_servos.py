@@ -121,6 +121,19 @@ def test_a_name_that_the_aircraft_does_not_have_is_refused_with_the_nearest():
     assert "did you mean left_aileron?" in str(told.value)
 
 
+@pytest.mark.parametrize("plant", ["jsbsim", "analytic"])
+def test_a_controller_is_given_how_far_the_servos_go(plant):
+    # the closest of saturation (rad), servo (deg) and stop; an aileron's members count as the axis does
+    over = ["saturation={min_rad: -0.05, max_rad: 0.1}", "actuators={min_deg: -4, max_deg: 4, rudder: null}"]
+    own = "actuators.left_aileron={min_deg: -2, max_deg: 3}"
+    for more, left in (([], (-0.05, np.radians(4.0))), ([own], (np.radians(-2.0), np.radians(3.0)))):
+        design = build_flight(load_scenario("scenario1", plant=plant, overrides=[*over, *more])).given.design
+        expected = [left, (-0.05, np.radians(4.0)), (-0.05, 0.1)]
+        np.testing.assert_allclose(design.limits_rad, expected, rtol=0, atol=1e-15)
+    free = build_flight(load_scenario("scenario1", plant=plant, overrides=["saturation=null", over[1]])).given
+    np.testing.assert_allclose(free.design.limits_rad[2], free.stops_rad[3], rtol=0, atol=1e-15)  # the rudder's stops
+
+
 # --- an aircraft with servos of its own ------------------------------------------------------------------------------
 
 OWN = "lag 40 rad/s, delay 20 ms, backlash 1 deg"
@@ -209,6 +222,7 @@ def test_the_shipped_faults_of_servos_change_the_flight(name):
     # and after the window the controller brings it back
     _, records, outcome = flown(f"beyond/{name}")
     assert outcome.completed
+    assert outcome.remarks == ()
     free = flown(f"beyond/{name}", "jsbsim", None, ("faults=[]",))[1]
     apart = np.degrees(np.abs(records["u2"] - free["u2"]))
     inside = apart[records["t"] < 12.0].max()

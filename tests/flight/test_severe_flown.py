@@ -82,7 +82,11 @@ def test_a_floating_surface_needs_a_flow():
         load_scenario("scenario1", plant="analytic", overrides=[LEFT.format("float, ratio: 0.5")])
 
 
-@pytest.mark.parametrize("fault", ["kind: stuck", "kind: total-loss", "effectiveness: 0"])
+SERVO = ("kind: deadband, width_deg: 5", "kind: backlash, width_deg: 5", "kind: delay, delay_s: 1",
+         "kind: rate-limit, rate_degps: 0.1")  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", ["kind: stuck", "kind: total-loss", "effectiveness: 0", *SERVO])
 def test_a_fault_that_changed_nothing_is_worth_a_warning(tmp_path, fault):
     # a rudder that the controller never moves, and that has no trim
     (tmp_path / "resting.py").write_text(
@@ -92,6 +96,21 @@ def test_a_fault_that_changed_nothing_is_worth_a_warning(tmp_path, fault):
     flight = build_flight(load_scenario("scenario1", controller=str(tmp_path / "resting.py"), overrides=overrides))
     _, outcome = fly_to_memory(flight)
     assert outcome.remarks == ("faults[0]: changed nothing: the rudder did what it would have done without it",)
+
+
+@pytest.mark.parametrize("plant", ["jsbsim", "analytic"])
+def test_a_rate_that_a_servo_never_reaches_is_worth_a_warning_and_one_that_it_does_is_not(plant):
+    # the elevator of scenario 1 with a servo of 57 rad/s: its fastest sets the limit
+    servo = ("actuators={bandwidth_radps: 57}", "duration_s=4")
+    fault = "faults=[{{kind: rate-limit, surface: elevator, rate_degps: {:.17g}}}]"
+    free, records, _ = flown("scenario1", plant, None, servo)
+    fastest = np.degrees(np.abs(np.diff(published(records, free.columns)["elevator_servo_rad"])).max()) * 200
+    _, slow, limited = flown("scenario1", plant, None, (*servo, fault.format(0.5 * fastest)))
+    assert limited.remarks == ()
+    assert not np.array_equal(slow["x1"], records["x1"])
+    _, fast, untouched = flown("scenario1", plant, None, (*servo, fault.format(5.0 * fastest)))
+    assert untouched.remarks == ("faults[0]: changed nothing: the elevator did what it would have done without it",)
+    np.testing.assert_array_equal(fast["x1"], records["x1"])
 
 
 def test_a_fault_that_changed_something_is_not():

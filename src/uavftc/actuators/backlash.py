@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from uavftc.actuators.fault import SurfaceFault
-from uavftc.actuators.servo import Keys, at, schedule, servos
+from uavftc.actuators.servo import Keys, note, part_of, schedule, servos, value_of
 from uavftc.config.values import NonNegative, Positive
 from uavftc.core.given import Given
 from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
@@ -25,7 +25,8 @@ from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
 KEYS_IN = "actuators"
 
 PARAMS = np.dtype([("count", "i8")])  # of switches of the width
-STATE = RAW  # y, rad, in [0], then the switches and the widths, rad
+STATE = RAW  # y, rad, in [0], then the switches, the widths, rad, and how far each moved the surface
+FIRST = 1  # place of the switches
 
 
 class Config(Keys):
@@ -53,19 +54,25 @@ FAULT = Widened
 
 
 @law
+def pushed(y, u, half):
+    """Return where a surface at y is when the servo is at u, rad, with half of the play."""
+    if u - y > half:
+        return u - half
+    if y - u > half:
+        return u + half
+    return y if u - y <= half else u  # nan
+
+
+@law
 def step(p, s, e, row):
     """Move the surface as far as it is pushed."""
-    memory = floats(s, 2 * p.count + 2)
-    half = 0.5 * at(memory, 1, p.count, row.t)
+    memory = floats(s, 3 * p.count + 3)
+    i = part_of(memory, FIRST, p.count, row.t)
     u, y = e.deflection, memory[0]
-    if u - y > half:
-        y = u - half
-    elif y - u > half:
-        y = u + half
-    elif not u - y <= half:  # nan
-        y = u
-    memory[0] = y
-    e.deflection = y
+    e.deflection = pushed(y, u, 0.5 * value_of(memory, FIRST, p.count, i))
+    if i > 0:
+        note(memory, FIRST, p.count, i, e.deflection - pushed(y, u, 0.5 * value_of(memory, FIRST, p.count, 0)))
+    memory[0] = e.deflection
 
 
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection"])

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from uavftc.actuators.fault import SurfaceFault
-from uavftc.actuators.servo import Keys, at, schedule, servos
+from uavftc.actuators.servo import Keys, note, part_of, schedule, servos, value_of
 from uavftc.config.values import NonNegative, Positive
 from uavftc.core.given import Given
 from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
@@ -22,7 +22,8 @@ from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
 KEYS_IN = "actuators"
 
 PARAMS = np.dtype([("count", "i8")])  # of switches of the width
-STATE = RAW  # the switches and the widths, rad
+STATE = RAW  # the switches and the widths, rad, and how far each moved the servo
+FIRST = 0  # place of the switches
 
 
 class Config(Keys):
@@ -50,16 +51,24 @@ FAULT = Widened
 
 
 @law
+def without(u, half):
+    """Return a command, rad, without what is within half the width of the dead band; nan stays nan."""
+    if u > half:
+        return u - half
+    if u < -half:
+        return u + half
+    return u if isnan(u) else 0.0
+
+
+@law
 def step(p, s, e, row):
     """Take the dead band out of the command in place."""
-    half = 0.5 * at(floats(s, 2 * p.count + 1), 0, p.count, row.t)
+    memory = floats(s, 3 * p.count + 2)
+    i = part_of(memory, FIRST, p.count, row.t)
     u = e.deflection
-    if u > half:
-        e.deflection = u - half
-    elif u < -half:
-        e.deflection = u + half
-    elif not isnan(u):
-        e.deflection = 0.0
+    e.deflection = without(u, 0.5 * value_of(memory, FIRST, p.count, i))
+    if i > 0:
+        note(memory, FIRST, p.count, i, e.deflection - without(u, 0.5 * value_of(memory, FIRST, p.count, 0)))
 
 
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection"])

@@ -38,14 +38,20 @@ class Config(Model):
 
 
 @law
+def ago(line, length, newest, whole, part):
+    """Return the value of the delay ago of a line whose newest is at a place, from -1 on."""
+    current = line[1 + (newest - whole + length) % length]
+    before = line[1 + (newest - whole - 1 + length) % length]
+    return part * before + (1.0 - part) * current if part > 0.0 else current
+
+
+@law
 def through(line, length, value, whole, part):
     """Push a value into a line of so many, behind the place of the next; return the one of the delay ago."""
     newest = int(line[0])
     line[1 + newest] = value
-    current = line[1 + (newest - whole + length) % length]
-    before = line[1 + (newest - whole - 1 + length) % length]
     line[0] = (newest + 1) % length
-    return part * before + (1.0 - part) * current if part > 0.0 else current
+    return ago(line, length, newest, whole, part)
 
 
 @law

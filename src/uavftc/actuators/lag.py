@@ -25,7 +25,7 @@ from pydantic import Field
 
 from uavftc.actuators.fault import SurfaceFault
 from uavftc.actuators.response import LONGEST, first_order, second_order
-from uavftc.actuators.servo import Keys, at, schedule, servos
+from uavftc.actuators.servo import LEAST_RAD, Keys, moved_of, note, part_of, schedule, servos, value_of
 from uavftc.config.values import Number, Positive, Problem
 from uavftc.core.given import Given
 from uavftc.core.stage import RAW, Block, Stage, floats, law
@@ -45,7 +45,9 @@ PARAMS = np.dtype(
         ("count", "i8"),  # of switches of the limit of the rate
     ]
 )
-STATE = RAW  # y, rad, and y', rad/s, in [0] and [1]; then the switches and the limits of the rate, rad/s
+STATE = RAW  # y, rad, and y', rad/s, in [0] and [1]; then the switches, the limits of the rate, rad/s, and how far each
+# moved the servo, rad
+FIRST = 2  # place of the switches
 
 MOST_RADPS = 1e4  # a servo of 1600 Hz; beyond it a plant step of 5 ms takes hundreds of series of second order
 MOST_DAMPING = 10.0
@@ -95,20 +97,31 @@ FAULT = Slowed
 
 
 @law
+def move(p, y, v, u, R):
+    """Return position and rate after a plant step towards u, and the mean of the position, with a limit of the rate."""
+    if p.order == 2:
+        return second_order(y, v, u, p.w, p.zeta, R, p.low, p.high, p.dt, p.part)
+    if p.order == 1 or inf != R:
+        end, mean = first_order(y, u, p.w, R, p.low, p.high, p.dt)
+        return end, v, mean
+    end = p.low if u < p.low else (p.high if u > p.high else u)
+    return end, v, end
+
+
+@law
 def step(p, s, e, row):
     """Move the servo by one plant step; the effector gets where it is at the end, or the mean."""
-    memory = floats(s, 2 * p.count + 3)
-    R = at(memory, 2, p.count, row.t)
-    u, y = e.deflection, memory[0]
-    e.servo = y
-    if p.order == 2:
-        memory[0], memory[1], e.deflection = second_order(y, memory[1], u, p.w, p.zeta, R, p.low, p.high, p.dt, p.part)
-    elif p.order == 1 or inf != R:
-        memory[0], e.deflection = first_order(y, u, p.w, R, p.low, p.high, p.dt)
-    else:
-        memory[0] = p.low if u < p.low else (p.high if u > p.high else u)
-        e.deflection = memory[0]
-        e.servo = e.deflection
+    memory = floats(s, 3 * p.count + 4)
+    i = part_of(memory, FIRST, p.count, row.t)
+    R, own = value_of(memory, FIRST, p.count, i), value_of(memory, FIRST, p.count, 0)
+    u, y, v = e.deflection, memory[0], memory[1]
+    memory[0], memory[1], e.deflection = move(p, y, v, u, R)
+    e.servo = e.deflection if p.order == 0 and inf == R else y
+    if own > R and moved_of(memory, FIRST, p.count, i) <= LEAST_RAD:  # once it has acted there is no more to be found
+        y_own, _, mean_own = move(p, y, v, u, own)
+        note(memory, FIRST, p.count, i, memory[0] - y_own)
+        if p.end == 0.0:
+            note(memory, FIRST, p.count, i, e.deflection - mean_own)
     if p.end != 0.0:
         e.deflection = memory[0]
 
@@ -131,6 +144,16 @@ def rate_limits(config: Config, given: Given) -> Any:
     return schedule(own, inf, Slowed, lambda R, fault: min(R, radians(fault.rate_degps)), given)
 
 
+def positions(config: Config, given: Given) -> np.ndarray:
+    """Return the limits of the position of each effector's servo about trim, rad, shape (n, 2); inf is none."""
+    table = np.empty((len(given.effectors), 2))
+    for row, servo in zip(table, servos(config, given), strict=True):
+        low = -inf if servo.keys is None or servo.keys.min_deg is None else radians(servo.keys.min_deg)
+        high = inf if servo.keys is None or servo.keys.max_deg is None else radians(servo.keys.max_deg)
+        row[:] = (low, high) if servo.sign > 0.0 else (-high, -low)
+    return table
+
+
 def blocks(config: Config, given: Given) -> list[Block]:
     """Return the servo of each effector; none where all are ideal."""
     if not acts_on(config, given).any():
@@ -143,8 +166,6 @@ def blocks(config: Config, given: Given) -> list[Block]:
         p["order"] = 0 if w == inf else 1 if keys.damping is None else 2
         p["w"], p["zeta"], p["dt"], p["end"] = w, keys.damping or 0.0, T, given.at_end
         p["part"] = T / ceil(T * w * max(1.0, 2.0 * (keys.damping or 0.0)) / LONGEST) if w != inf else T
-        low = -inf if keys.min_deg is None else radians(keys.min_deg)
-        high = inf if keys.max_deg is None else radians(keys.max_deg)
-        p["low"], p["high"] = (low, high) if servo.sign > 0.0 else (-high, -low)
+    params["low"], params["high"] = positions(config, given).T
     params["count"] = rate.switches
     return [stage.block(params, np.column_stack([np.zeros((len(params), 2)), rate.table]))]

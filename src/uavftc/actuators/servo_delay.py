@@ -15,9 +15,9 @@ from typing import Literal
 
 import numpy as np
 
-from uavftc.actuators.delay import through
+from uavftc.actuators.delay import ago, through
 from uavftc.actuators.fault import SurfaceFault
-from uavftc.actuators.servo import Keys, at, schedule, servos
+from uavftc.actuators.servo import Keys, note, part_of, schedule, servos, value_of
 from uavftc.config.values import NonNegative, Positive
 from uavftc.core.given import Given
 from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
@@ -30,7 +30,9 @@ PARAMS = np.dtype(
         ("length", "i8"),  # of the line, commands
     ]
 )
-STATE = RAW  # age of the last command given, plant steps, in [0]; switches and delays, plant steps; the line
+STATE = RAW  # age of the last command given, plant steps, in [0]; switches, delays, plant steps, and how far each moved
+# the servo, rad; the line
+FIRST = 1  # place of the switches
 
 
 class Config(Keys):
@@ -60,13 +62,21 @@ FAULT = Added
 @law
 def step(p, s, e, row):
     """Push the command into the line, and give the one that has waited long enough."""
-    first = 2 * p.count + 2
-    memory = floats(s, first + 1 + p.length)
-    age = min(at(memory, 1, p.count, row.t), memory[0] + 1.0)  # a command grows older by one step a step
+    line = 3 * p.count + 3
+    memory = floats(s, line + 1 + p.length)
+    i = part_of(memory, FIRST, p.count, row.t)
+    age = min(value_of(memory, FIRST, p.count, i), memory[0] + 1.0)  # a command grows older by one step a step
     memory[0] = age
     whole = int(age + 1e-9)
     part = age - whole
-    e.deflection = through(memory[first:], p.length, e.deflection, whole, part if part > 1e-9 else 0.0)
+    e.deflection = through(memory[line:], p.length, e.deflection, whole, part if part > 1e-9 else 0.0)
+    if i > 0:
+        own = value_of(memory, FIRST, p.count, 0)
+        whole = int(own + 1e-9)
+        part = own - whole
+        newest = int(memory[line]) - 1
+        sooner = ago(memory[line:], p.length, newest, whole, part if part > 1e-9 else 0.0)
+        note(memory, FIRST, p.count, i, e.deflection - sooner)
 
 
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection"])
@@ -91,5 +101,5 @@ def blocks(config: Config, given: Given) -> list[Block]:
     state = np.zeros((n, delay.table.shape[1] + 2 + length))
     for line, row, count in zip(state, delay.table, delay.switches, strict=True):
         line[0] = np.inf  # it begins with a line full of zeros
-        line[1 : 2 * count + 2] = row[: 2 * count + 1]
+        line[FIRST : FIRST + 3 * count + 2] = row[: 3 * count + 2]
     return [stage.block(records_of(PARAMS, n, count=delay.switches, length=[length] * n), state)]

@@ -24,7 +24,8 @@ and it takes part because its module is listed in the tuple of its chain. Its pl
     ENTRY_OF = "faults"          `Config` is one kind of entry in this list
 
     FAULT         next to any of these: a kind of entry in `faults` that changes a parameter of the effect for a time;
-                  its law finds such entries by `given.faults_of(FAULT)`
+                  its law finds such entries by `given.faults_of(FAULT)`; and FIRST, where its law keeps in its memory
+                  what the fault changed (actuators/servo.py)
 """
 
 from __future__ import annotations

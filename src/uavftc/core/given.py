@@ -21,8 +21,8 @@ class ControlDesign(NamedTuple):
     """Control matrix, shape (3, 3), 1/s^2 per rad of [aileron, elevator, rudder]; a column of zeros where
     `axes` is false."""
     limits_rad: np.ndarray
-    """Least and greatest deflection about trim, shape (3, 2), rad: saturation and stops, inf where there are none; 0
-    where `axes` is false."""
+    """Least and greatest deflection about trim, shape (3, 2), rad: saturation, servos and stops, inf where there are
+    none; 0 where `axes` is false."""
     x1_trim: np.ndarray
     """Attitude of the trim [phi, theta, psi], shape (3,), rad."""
     name: str

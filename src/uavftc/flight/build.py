@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uavftc import actuators, environment, sensors
+from uavftc.actuators import lag
 from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.aircraft.definition import Aircraft, load_aircraft
 from uavftc.config.effect import Effect, config_of
@@ -168,7 +169,7 @@ def given_of(
     layout: Layout,
 ) -> Given:
     """Return the flight as its blocks see it."""
-    return Given(
+    given = Given(
         h=timing.h,
         plant_step=timing.plant_step,
         steps=scenario.steps,
@@ -187,6 +188,14 @@ def given_of(
         faults=tuple(scenario.faults),
         damage=scenario.damage,
     )
+    return given._replace(design=within_servos(given, scenario))
+
+
+def within_servos(given: Given, scenario: Scenario) -> ControlDesign:
+    """Return the design of a flight, its limits as far as the scenario's servos go, too."""
+    limits, reach = given.design.limits_rad, axis_limits(lag.positions(scenario.actuators, given), given.mixing)
+    narrower = np.column_stack([np.maximum(limits[:, 0], reach[:, 0]), np.minimum(limits[:, 1], reach[:, 1])])
+    return given.design._replace(limits_rad=narrower)
 
 
 def trim_attitude(model: TrimmedModel | None) -> np.ndarray:

@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.actuators import effectiveness, intermittent
+from uavftc.actuators import CHAIN, effectiveness, intermittent
+from uavftc.actuators.servo import LEAST_RAD, farthest
 from uavftc.config.values import key_text, window_of
 from uavftc.flight.build import Flight
 from uavftc.scenario.checks import entries
 
-LEAST_RAD = 1e-12  # what a fault moves a surface by to have done something
+OF_SERVO = {effect.FAULT: effect for effect in CHAIN if hasattr(effect, "FAULT")}
+"""The laws that a kind of fault changes a parameter of."""
 
 
 class Idle:
@@ -55,10 +57,13 @@ class Idle:
         """Return how far a fault moved its surfaces, rad; None where nobody knows."""
         if i in self._changed:
             return self._changed[i]
+        program = self._flight.program
+        if (servo := OF_SERVO.get(type(entry))) is not None:
+            return farthest(program[servo.stage.name], servo.FIRST, type(entry), i, self._flight.given)
         name = f"{entry.kind} {place}"
-        if name not in self._flight.program.names:
+        if name not in program.names:
             return None
-        state = self._flight.program[name].state
+        state = program[name].state
         if isinstance(entry, intermittent.Config):
             return float(state[:, intermittent.MOST].max())
         return float(state["most"].max()) if "most" in (state.dtype.names or ()) else None

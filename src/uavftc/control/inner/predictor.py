@@ -25,7 +25,7 @@ do: the command is cut off inside the law, and v_ad is what is then left of it,
 
     v2_i = min(max(v_ad_i - (K_0^T x2)_i, v_min_i), v_max_i),   v_ad_i = v2_i + (K_0^T x2)_i
 
-with the limits from `Given.design.limits_rad`: the saturation and the stops, whichever is closer. The paper has no
+with the limits from `Given.design.limits_rad`: saturation, servos and stops, whichever is closest. The paper has no
 such term (it leaves saturation to the adaptation), so `none`, as printed, is the default. Faults are not known to the
 law: it counts with the limits of the healthy surface.
 
@@ -129,8 +129,8 @@ class PredictorConfig(Model):
     """how predictor and adaptive laws are sampled: `implicit`, stable at every rate; `explicit`, forward Euler, to show
     what it does (give it `rate_hz: 1000`)"""
     anti_windup: Literal["none", "limited"] = "none"
-    """`none`: predictor and filter are given the command as asked for, as printed; `limited`: as cut off by saturation
-    and stops, so that it does not run away while a surface is at its limit"""
+    """`none`: predictor and filter are given the command as asked for, as printed; `limited`: as cut off by saturation,
+    servos and stops, so that it does not run away while a surface is at its limit"""
     rbf: Rbf = Rbf()
     """network of the inner loop"""
 
