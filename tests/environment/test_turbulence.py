@@ -290,6 +290,14 @@ class TestFlown:
             assert column(records, name).std() > 1e-3
 
 
+def test_there_is_a_scenario_of_each_kind_of_air_on_hale_and_on_a_stock_aircraft():
+    names = [name.removeprefix("beyond/air-") for name in scenario_names("beyond") if name.startswith("beyond/air-")]
+    stock = {name.removesuffix("-c172p") for name in names if name.endswith("-c172p")}
+    assert stock == {"dryden-moderate", "von-karman", "gust", "gust-train", "shear-linear", "shear-power", "wind"}
+    assert stock - {"gust"} <= set(names)  # the gust on hale is scenarios/gust.yaml
+    assert "gust" in scenario_names()
+
+
 @pytest.mark.parametrize("name", [name for name in scenario_names("beyond") if name.startswith("beyond/air-")])
 def test_every_shipped_kind_of_air_is_flown(name):
     # to its end, on hale and on a c172p; the air moves, and the vehicle feels it

@@ -209,12 +209,12 @@ def test_the_shipped_servos_are_flown_to_their_reference(name, plant):
     assert outcome.completed
     assert {"lag", "servo_delay"} & set(flight.program.names)
     error = np.degrees(np.abs(records["x1_c"] - records["x1"])[-1])
-    assert error.max() < 0.05
+    assert error.max() < 0.06  # of the 5 deg step exp(-0.5 t) are left on a c172p, after 12 s 0.012 deg, and its drift
     ideal = flown(name, plant, None, ("actuators=null",))[1]
     assert np.degrees(np.abs(records["u2"] - ideal["u2"])).max() > 0.1
 
 
-FAULTS = ["fault-rate-limit", "fault-rate-limit-c172p", "fault-delay", "fault-backlash", "fault-deadband"]
+FAULTS = [f"fault-{kind}{on}" for kind in ("rate-limit", "delay", "backlash", "deadband") for on in ("", "-c172p")]
 
 
 @pytest.mark.parametrize("name", FAULTS)

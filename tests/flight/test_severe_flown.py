@@ -7,11 +7,13 @@ import pytest
 
 from flying import flown
 from plain import FORCES, MOMENTS, replayed
+from uavftc.config.effect import tag_of
 from uavftc.config.shipped import scenario_names
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.flight.recorder import published
 from uavftc.scenario.load import load_scenario
+from uavftc.scenario.schema import FAULTS
 
 LEFT = "faults=[{{kind: {}, surface: left_aileron, start_s: 0.5, end_s: 3}}]"
 
@@ -66,7 +68,20 @@ def test_before_a_fault_begins_the_flight_is_the_one_without_it_bit_for_bit():
     assert not np.array_equal(faulty["u2"], sound["u2"])
 
 
-@pytest.mark.parametrize("name", [name for name in scenario_names("beyond") if name.startswith("beyond/fault-")])
+SHIPPED = [name for name in scenario_names("beyond") if name.startswith(("beyond/fault-", "beyond/engine-"))]
+
+
+def test_there_is_a_scenario_of_each_fault_on_hale_and_on_a_stock_aircraft():
+    # an oscillation of each mode; of engines and of surfaces
+    def flown_on(aircraft):
+        scenarios = [load_scenario(name) for name in SHIPPED]
+        return {tag_of(type(f)) + getattr(f, "mode", "") for s in scenarios if s.aircraft == aircraft for f in s.faults}
+
+    every = {tag_of(kind) for kind in FAULTS} - {"oscillatory"} | {"oscillatoryliquid", "oscillatorysolid"}
+    assert flown_on("hale") == flown_on("jsbsim:c172p") == every
+
+
+@pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_fault_flies(name):
     # to its end, but for the rudder at its stop, which takes the vehicle from any controller
     flight = build_flight(load_scenario(name))
