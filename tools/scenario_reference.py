@@ -30,7 +30,7 @@ from uavftc.control.custom.measured import MEASURED
 from uavftc.control.custom.own_signals import UNITS
 from uavftc.control.rbf import Rbf
 from uavftc.environment import KINDS, gust_train, shear, turbulence
-from uavftc.scenario import damage, schema
+from uavftc.scenario import damage, requirements, schema
 from uavftc.scenario.controllers import LOOPS, Controller, CustomController
 from uavftc.sensors import dropout, stuck
 
@@ -187,6 +187,7 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "faults": lambda: by_kind([kind for kind in schema.FAULTS if "engine" not in kind.model_fields]),
     "engine faults": lambda: by_kind([kind for kind in schema.FAULTS if "engine" in kind.model_fields]),
     "chain": chain,
+    "requirements": lambda: table(requirements.Requirement),
     "damage": lambda: table(damage.Damage),
     "inertia": lambda: table(damage.Inertia),
     "lift lost": lambda: table(damage.LiftLost),

@@ -52,7 +52,7 @@ def test_every_example_of_the_reference_is_a_scenario(tmp_path):
     assert len(examples) >= 6
     for i, example in enumerate(examples):
         path = tmp_path / f"{i}.yaml"
-        path.write_text(example if "name:" in example else f"name: example\nduration_s: 20\n{example}")
+        path.write_text(example if example.startswith("name:") else f"name: example\nduration_s: 20\n{example}")
         load_scenario(path)
 
 

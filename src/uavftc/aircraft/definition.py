@@ -74,6 +74,14 @@ class Trusted(Model):
     airspeed_mps: Range | None = None
 
 
+class FlightLimits(Model):
+    """The envelope that the aircraft is made for; the default requirements ask a flight to stay within it."""
+
+    alpha_deg: Range | None = None
+    bank_deg: Annotated[Positive, Field(le=180)] | None = None
+    load_factor: Range | None = None
+
+
 class AnalyticModel(Model):
     """The rotational model x2' = gyroscopic + A_l x2 + B_m u2: A_l in 1/s, B_m in 1/s^2."""
 
@@ -103,6 +111,7 @@ class Aircraft(Model):
     autothrottle: Autothrottle | None = None
     disturbance_moment: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")] | None = None
     trusted: Trusted = Trusted()
+    limits: FlightLimits = FlightLimits()
     planet: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*\.xml$")] | None = None
     analytic: AnalyticModel | None = None
     warnings: Annotated[tuple[str, ...] | str, BeforeValidator(_warnings)] = "strict"

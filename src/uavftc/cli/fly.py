@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from uavftc.cli.outcome import INTERRUPTED, LOST, UNEXPECTED
+from uavftc.cli.outcome import BROKEN, INTERRUPTED, LOST, UNEXPECTED
 
 if TYPE_CHECKING:
     from uavftc.scenario.schema import Scenario
@@ -41,12 +41,14 @@ def fly(
     ] = None,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 4 where a requirement is broken.")] = False,
 ) -> None:
     """Fly SCENARIO and write table, history and figures of the flight.
 
-    Exit code 0: flown to the end. 2: the input is wrong, nothing is written. 3: the vehicle was lost, the flight up
-    to there is written. 130: Ctrl-C, the flight up to there is written. 1: anything else, as a full disk, in one line;
-    where there is room for the flight without its figures it is kept.
+    Exit code 0: flown to the end. 2: the input is wrong, nothing is written. 3: the vehicle was lost, or the plant's
+    own integration does not converge (numerical); the flight up to there is written. 4: with --strict, flown to the
+    end with a requirement broken. 130: Ctrl-C, the flight up to there is written. 1: anything else, as a full disk, in
+    one line; where there is room for the flight without its figures it is kept.
     """
     from uavftc.scenario.load import find_scenario, load_scenario  # noqa: PLC0415 - not needed for a bad option
 
@@ -79,6 +81,8 @@ def fly(
         raise typer.Exit(LOST)
     if "figures_missing" in document:
         raise typer.Exit(UNEXPECTED)
+    if strict and document["verdict"]["outcome"] != "survived":
+        raise typer.Exit(BROKEN)
 
 
 def default_folder(scenario: Scenario, *, named_aircraft: bool) -> Path:

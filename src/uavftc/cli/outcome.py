@@ -17,6 +17,7 @@ from uavftc.errors import InputError
 UNEXPECTED = 1
 WRONG_INPUT = 2
 LOST = 3
+BROKEN = 4
 
 P = ParamSpec("P")
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from uavftc.config.document import Document, Key
 from uavftc.config.effect import ENGINE, tag_of
 from uavftc.config.expression import KNOWN
+from uavftc.config.formula import KNOWN as FORMULA
 from uavftc.config.values import Problem, key_text
 from uavftc.errors import InputError
 
@@ -111,6 +112,9 @@ def _problem(item: Any, key: Key, model: type[BaseModel], root: type[BaseModel])
             return _choice(item, key, value, model)
         case "signal":
             return _signal(key, value, ctx["problem"], unit)
+        case "formula":
+            said = f"{found}: {ctx['problem'].splitlines()[0]}"
+            return Problem(key, said, "a formula such as abs(phi_error_deg) <= 1", f"a formula knows {FORMULA}")
         case "float_type" | "finite_number":
             remedy = "write a number"
             if isinstance(value, str):

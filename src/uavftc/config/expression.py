@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from functools import reduce
 
 import numpy as np
@@ -44,7 +44,8 @@ _NUMBER = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = re.compile(r"[^\W\d]\w*")
 _BLANK = " \t\r\n"
 
-_Node = Callable[[np.ndarray], np.ndarray]
+Node = Callable[[Mapping[str, np.ndarray]], np.ndarray]
+"""Given the values of the names, arrays of one shape, returns those of the expression."""
 
 
 class Expression:
@@ -70,14 +71,14 @@ class Expression:
             raise ValueError("the expression is empty")
         self.text = text
         line = re.sub(f"[{_BLANK}]", " ", text).strip(" ")
-        _check_tokens(line)
-        self._node = _build(_parse(line), line, 0)
+        check_tokens(line)
+        self._node = build(_parse(line), line, 0, ("t",))
 
     def __call__(self, t: np.ndarray) -> np.ndarray:
         """Return the values at the times `t`, s, as float64 of the same shape; not necessarily finite."""
         t = np.asarray(t, dtype=np.float64)
         with np.errstate(all="ignore"):
-            values = self._node(t)
+            values = self._node({"t": t})
         return np.array(np.broadcast_to(values, t.shape), dtype=np.float64)
 
     def __repr__(self) -> str:
@@ -93,30 +94,37 @@ class Expression:
         return Expression, (self.text,)
 
 
-def _fail(problem: str, line: str, start: int, length: int = 1) -> ValueError:
+def fail(problem: str, line: str, start: int, length: int = 1) -> ValueError:
     """Return the error with the offending part marked under the text."""
     lead, shown = max(0, start - 60), line[max(0, start - 60) : start + 60]
     return ValueError(f"{problem}\n    {shown}\n    {' ' * (start - lead)}{'^' * max(1, min(length, 60))}")
 
 
-def _check_tokens(line: str) -> None:
-    """Refuse, before any parsing, every character and word that is not in the language."""
+def check_tokens(line: str, names: Collection[str] | None = ("t",), marks: str = " +-*/(),") -> None:
+    """Refuse, before any parsing, every character and word that is not in the language; `names` None admits any.
+
+    Raises
+    ------
+    ValueError
+        The message names the offending part.
+    """
     position = 0
     while position < len(line):
-        if line[position] in " +-*/(),":
+        if line[position] in marks:
             position += 1
         elif number := _NUMBER.match(line, position):
             position = number.end()
             if not np.isfinite(float(number.group())):
-                raise _fail(f"the number {number.group()[:20]} is too large", line, number.start(), len(number.group()))
+                raise fail(f"the number {number.group()[:20]} is too large", line, number.start(), len(number.group()))
             if position < len(line) and (line[position] in "._" or line[position].isalnum()):
-                raise _fail(f"'{line[number.start() : position + 1][-20:]}' is not a number", line, position)
+                raise fail(f"'{line[number.start() : position + 1][-20:]}' is not a number", line, position)
         elif name := _NAME.match(line, position):
-            if name.group() not in FUNCTIONS and name.group() not in ("t", "pi"):
-                raise _fail(f"unknown name '{name.group()[:40]}'", line, position, len(name.group()))
+            known = names is None or name.group() in (*FUNCTIONS, *names, "pi")
+            if not known or not name.group().isascii():
+                raise fail(f"unknown name '{name.group()[:40]}'", line, position, len(name.group()))
             position = name.end()
         else:
-            raise _fail(f"the character {line[position]!r} is not allowed", line, position)
+            raise fail(f"the character {line[position]!r} is not allowed", line, position)
 
 
 def _parse(line: str) -> ast.expr:
@@ -124,13 +132,19 @@ def _parse(line: str) -> ast.expr:
         return ast.parse(line, mode="eval").body
     except SyntaxError as error:
         position = min(max(0, (error.offset or 1) - 1), len(line))
-        raise _fail(f"this is not an expression ({error.msg})", line, position) from None
+        raise fail(f"this is not an expression ({error.msg})", line, position) from None
     except (ValueError, MemoryError, RecursionError):
         raise ValueError("the expression is nested too deeply") from None
 
 
-def _build(node: ast.expr, line: str, depth: int) -> _Node:
-    """Return the NumPy function of a syntax tree; `line` is pure ASCII, so columns are positions."""
+def build(node: ast.expr, line: str, depth: int, names: Collection[str]) -> Node:
+    """Return the NumPy function of a syntax tree that may name `names`; `line` is pure ASCII, so columns are positions.
+
+    Raises
+    ------
+    ValueError
+        If there is something else in it. The message names the offending part.
+    """
     if depth > MAX_DEPTH:
         raise ValueError(f"the expression is nested too deeply: at most {MAX_DEPTH} operations within each other")
     start, length = node.col_offset, (node.end_col_offset or 0) - node.col_offset
@@ -138,34 +152,35 @@ def _build(node: ast.expr, line: str, depth: int) -> _Node:
     match node:
         case ast.Constant(value=int() | float() as number):
             constant = np.array(number, dtype=np.float64)
-            return lambda t: constant
-        case ast.Name(id="t"):
-            return lambda t: t
+            return lambda given: constant
         case ast.Name(id="pi"):
-            return lambda t: np.array(np.pi)
+            return lambda given: np.array(np.pi)
+        case ast.Name(id=name) if name in names:
+            return lambda given: given[name]
         case ast.Name(id=name):
-            raise _fail(f"'{name}' is a function: write {name}(...)", line, start, length)
+            raise fail(f"'{name}' is a function: write {name}(...)", line, start, length)
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-            return _build(operand, line, depth + 1)
+            return build(operand, line, depth + 1, names)
         case ast.UnaryOp(op=ast.USub(), operand=operand):
-            inner = _build(operand, line, depth + 1)
-            return lambda t: np.negative(inner(t))
+            inner = build(operand, line, depth + 1, names)
+            return lambda given: np.negative(inner(given))
         case ast.BinOp(op=op, left=left, right=right) if type(op) in _BINARY:
-            operation, a, b = _BINARY[type(op)], _build(left, line, depth + 1), _build(right, line, depth + 1)
-            return lambda t: operation(a(t), b(t))
+            operation = _BINARY[type(op)]
+            a, b = build(left, line, depth + 1, names), build(right, line, depth + 1, names)
+            return lambda given: operation(a(given), b(given))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
             variadic = name in ("min", "max")
             if (len(args) < 2) if variadic else (len(args) != 1):
                 expected = "two or more arguments" if variadic else "exactly one argument"
-                raise _fail(f"{name} takes {expected}, not {len(args)}", line, start, length)
-            return _call(FUNCTIONS[name], [_build(a, line, depth + 1) for a in args])
+                raise fail(f"{name} takes {expected}, not {len(args)}", line, start, length)
+            return _call(FUNCTIONS[name], [build(a, line, depth + 1, names) for a in args])
         case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
-            raise _fail(f"'{name}' is not a function", line, start, len(name))
-    raise _fail(f"'{line[start : start + length][:40]}' is not allowed", line, start, length)
+            raise fail(f"'{name}' is not a function", line, start, len(name))
+    raise fail(f"'{line[start : start + length][:40]}' is not allowed", line, start, length)
 
 
-def _call(function: np.ufunc, args: list[_Node]) -> _Node:
+def _call(function: np.ufunc, args: list[Node]) -> Node:
     if len(args) == 1:
         argument = args[0]
-        return lambda t: function(argument(t))
-    return lambda t: reduce(function, [a(t) for a in args])
+        return lambda given: function(argument(given))
+    return lambda given: reduce(function, [a(given) for a in args])

@@ -178,8 +178,14 @@ def heading_near_reference(records: np.ndarray, field: str = "x1") -> np.ndarray
 def attitude_error(records: np.ndarray) -> np.ndarray:
     """Return x1_c - x1, shape (n, 3), rad, with the heading error within [-pi, pi]."""
     error = records["x1_c"] - records["x1"]
-    error[:, 2] = records["x1_c"][:, 2] - heading_near_reference(records)
+    error[:, 2] = axis_error(records, 2)
     return error
+
+
+def axis_error(records: np.ndarray, axis: int) -> np.ndarray:
+    """Return one axis of `attitude_error`, shape (n,), rad."""
+    angle = heading_near_reference(records) if axis == 2 else records["x1"][:, axis]
+    return np.asarray(records["x1_c"][:, axis] - angle)
 
 
 def column(records: np.ndarray, wanted: str | Column) -> np.ndarray:

@@ -6,7 +6,7 @@ Nothing reads YAML after this.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,8 @@ from uavftc import actuators, environment, sensors
 from uavftc.actuators import lag
 from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.aircraft.definition import Aircraft, load_aircraft
+from uavftc.analysis.derived import Known
+from uavftc.analysis.requirements import Monitor, Requirement
 from uavftc.config.effect import Effect, config_of
 from uavftc.control import allocation, uncontrolled
 from uavftc.control.custom.controller import Custom, custom_controller
@@ -35,6 +37,7 @@ from uavftc.flight.engine_faults import impossible, told_of_engines
 from uavftc.flight.inputs import Inputs
 from uavftc.flight.layouts import claimed_stops, layout_of
 from uavftc.flight.named import refuse, refuse_impossible, refuse_unknown
+from uavftc.flight.requirements import asked, default_set, signals_of
 from uavftc.flight.servos import own_servos, published
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
@@ -67,6 +70,10 @@ class Flight:
     """The effectors of the aircraft, and the signals of its controller."""
     controller: Custom
     """Its blocks, and what else it brings."""
+    requirements: tuple[Requirement, ...]
+    """What it is asked to hold to."""
+    signals: Mapping[str, Known]
+    """Every signal that a requirement may name."""
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -77,6 +84,10 @@ class Flight:
     def shape(self) -> Shape:
         """What its rows have behind their head."""
         return self.layout.shape
+
+    def monitor(self) -> Monitor:
+        """Return the recorder that judges its requirements."""
+        return Monitor(self.requirements, self.signals, self.scenario.controller.rate_hz)
 
     def remarks(self) -> list[str]:
         """Return what its controller is worth a warning for, once it is flown."""
@@ -97,6 +108,8 @@ def build_flight(scenario: Scenario) -> Flight:
     axes = axes_of(aircraft, model)
     refuse_uncontrolled(scenario, aircraft, axes)
     scenario = resolved(scenario, aircraft, model)
+    if scenario.requirements is None:
+        scenario = scenario.model_copy(update={"requirements": default_set(scenario, aircraft, model, axes)})
     check_start(scenario)
     finer = model is not None and scenario.plant == "jsbsim"
     timing = timing_of(scenario, model.frame_s if model is not None and finer else math.inf)
@@ -119,6 +132,8 @@ def build_flight(scenario: Scenario) -> Flight:
     layout = layout._replace(servos=published(scenario.actuators, given))
     controller = controller_of(scenario, given, aboard_of(scenario, given, model, layout))
     layout = layout._replace(signals=controller.signals)
+    signals = signals_of(scenario, layout, given)
+    requirements = asked(scenario, layout, signals)
     sample = [
         *plant.before(),
         *chain_blocks([kind for kind in environment.KINDS if hasattr(kind, "blocks")], scenario, given),
@@ -138,7 +153,10 @@ def build_flight(scenario: Scenario) -> Flight:
     ]
     check_flow([*sample, *plant_step])
     program = Program(sample, plant_step, substeps=plant.program_substeps)
-    return Flight(scenario, aircraft, model, plant, program, inputs, watch, given, scenario.steps, layout, controller)
+    return Flight(
+        scenario, aircraft, model, plant, program, inputs, watch, given, scenario.steps, layout, controller,
+        requirements, signals,
+    )  # fmt: skip
 
 
 def chain_blocks(chain: Sequence[Effect], scenario: Scenario, given: Given) -> list[Block]:

@@ -64,6 +64,7 @@ def fly_mission(
     flight = build_flight(scenario)
     origin = origin_of(flight)
     metadata, metrics = metadata_of(flight.scenario, origin), Metrics(flight.given.axes)
+    monitor = flight.monitor()
     trusted = TrustedRange(flight.aircraft.trusted)
     with Hold(signal.SIGINT) as hold:
         with folder:
@@ -73,12 +74,13 @@ def fly_mission(
                 nullcontext(None) if progress is None else progress(flight.steps + 1) as advance,
                 hold.second_acts() as stopped,
             ):
-                outcome = fly(flight, [parquet, metrics, trusted], advance, stop=stopped)
+                outcome = fly(flight, [parquet, metrics, monitor, trusted], advance, stop=stopped)
             if outcome.interrupted:
                 hold.take()
             axes = metrics.axes(completed=outcome.completed)
             remarks = (*notes_of(flight), *trusted.remarks())
-            result = FlightResult(flight.scenario, outcome, axes, None, origin, remarks, flight.layout)
+            met = tuple(monitor.found())
+            result = FlightResult(flight.scenario, outcome, axes, None, origin, remarks, flight.layout, met)
             (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
             document = result.summary()
             if figures:

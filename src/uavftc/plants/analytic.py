@@ -101,6 +101,8 @@ VEHICLE = [
     "north", "east", "qbar", "load_factor",
 ]  # fmt: skip
 """What a plant writes of the vehicle as it is."""
+UNKNOWN = tuple(name for name in VEHICLE if name not in ("x1", "x2", "contact"))
+"""Of these, what a rotational model does not know; it is nan."""
 
 observe_stage = Stage(observe, NOTHING, STATE, reads=[], writes=VEHICLE)
 stage = Stage(step, PARAMS, STATE, reads=["u2", "d1", "d2"], writes=[])

@@ -17,6 +17,7 @@ from uavftc.analysis import metrics
 from uavftc.analysis.metrics import Metric
 from uavftc.core.signals import AXES
 from uavftc.report.table import cell, number, outcome_line
+from uavftc.report.verdict import COLOURS, margin_text
 
 WIDTH = 80
 _LEAST = 11  # characters of a flight's column
@@ -84,12 +85,25 @@ def _metric_table(flights: Sequence[dict[str, Any]]) -> Table:
         lost = Text("") if flight["completed"] else Text("\nLOST", style="bold red")
         heading = Text(f"{flight['plant']}\n{flight['controller']}").append_text(lost)
         table.add_column(heading, justify="right", min_width=_LEAST, overflow="fold")
+    for label, judged in _verdict_rows(flights):
+        table.add_row(Text(label, style="bold"), *judged)
     for axis in AXES:
         table.add_row(Text(_named(axis, flights), style="bold"))
         for metric in metrics.METRICS:
             cells = (_cell(metric, flight, axis) for flight in flights)
             table.add_row(Text(metric.title), *cells)
     return table
+
+
+def _verdict_rows(flights: Sequence[dict[str, Any]]) -> list[tuple[str, list[Text]]]:
+    """Return outcome, margin and what limits it, of each flight; the best margin in bold."""
+    verdicts = [flight["verdict"] for flight in flights]
+    best = max(verdict["margin"] for verdict in verdicts)
+    return [
+        ("verdict", [Text(v["outcome"], style=COLOURS[v["outcome"]]) for v in verdicts]),
+        ("margin", [Text(margin_text(v["margin"]), style="bold" if v["margin"] == best else "") for v in verdicts]),
+        ("limited by", [Text(v["limiting"] or "-") for v in verdicts]),
+    ]
 
 
 def _table() -> Table:
@@ -133,7 +147,10 @@ def markdown(document: dict[str, Any]) -> str:
         lines += ["## Variants", "", *(f"- {line}" for line in variants), ""]
     for block in _blocks(document):
         header = ["", *(name_of(flight) + ("" if flight["completed"] else " (lost)") for flight in block)]
-        rows = []
+        rows = [
+            [label, *(f"**{cell.plain}**" if cell.style == "bold" else cell.plain for cell in cells)]
+            for label, cells in _verdict_rows(block)
+        ]
         for axis in AXES:
             rows += [
                 [f"{_named(axis, block)}: {metric.title}", *(_written(metric, flight, axis) for flight in block)]

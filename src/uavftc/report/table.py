@@ -13,6 +13,7 @@ from rich.text import Text
 from uavftc.analysis import metrics
 from uavftc.analysis.metrics import Metric
 from uavftc.core.signals import AXES
+from uavftc.report.verdict import requirement_table, verdict_line
 from uavftc.results.summary import title_of
 
 
@@ -51,6 +52,10 @@ def print_result(
         Where to print the warnings, where that is another place.
     """
     console.print(metric_table(summary))
+    if (verdict := summary.get("verdict")) is not None:
+        if verdict["requirements"]:
+            console.print(requirement_table(verdict))
+        console.print(verdict_line(verdict))
     console.print(outcome_line(summary))
     for warning in summary.get("warnings", ()):
         (aside or console).print(Text.assemble(("warning: ", "yellow"), warning))
@@ -67,6 +72,8 @@ def outcome_line(summary: dict[str, Any]) -> Text:
     if summary["completed"]:
         return Text.assemble(("completed", "bold green"), pace)
     because = summary["ended_because"] or "for an unknown reason"
+    if summary.get("numerical"):
+        return Text.assemble(("not flown to its end", "bold magenta"), f": {because}", pace)
     if because.startswith("interrupted"):
         return Text.assemble((because, "bold yellow"), pace)
     return Text.assemble(("lost", "bold red"), f": {because}", pace)

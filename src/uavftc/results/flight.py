@@ -11,11 +11,13 @@ import numpy as np
 
 from uavftc.actuators.saturation import axis_limits, effector_limits
 from uavftc.analysis.metrics import controlled_of
+from uavftc.analysis.requirements import Met
+from uavftc.analysis.verdict import Verdict, verdict_of
 from uavftc.control.custom.module import checksum
 from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.layout import Layout
 from uavftc.core.signals import SURFACES
-from uavftc.flight import named, servos
+from uavftc.flight import named, requirements, servos
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
 from uavftc.flight.inputs import Inputs
@@ -44,6 +46,21 @@ class FlightResult(NamedTuple):
     """What the flight itself is worth a warning for, one line each; next to those of its scenario."""
     layout: Layout = Layout()
     """The effectors of the aircraft."""
+    met: tuple[Met, ...] = ()
+    """How each requirement fared."""
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """What came of it; None where the user ended it."""
+        if self.outcome.interrupted:
+            return None
+        return verdict_of(
+            self.met,
+            completed=self.outcome.completed,
+            ended_at_s=self.outcome.ended_at_s,
+            duration_s=self.scenario.duration_s,
+            numerical=self.outcome.numerical,
+        )
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -64,6 +81,7 @@ class FlightResult(NamedTuple):
             ended_because=outcome.ended_because,
             ended_at_s=outcome.ended_at_s,
             numerical=outcome.numerical,
+            verdict=None if self.verdict is None else self.verdict.document(),
             axes=self.axes,
             timing={
                 "flight_wall_s": outcome.wall_s,
@@ -150,6 +168,7 @@ def notes_of(flight: Flight) -> tuple[str, ...]:
     """Return what is worth knowing about the aircraft, its axes, servos and files where read, one line each."""
     files = () if flight.model is None else tuple(notes(flight.aircraft, flight.model))
     asked = (*named.remarks(flight.scenario, flight.given), *servos.remarks(flight.scenario, flight.given))
+    asked = (*asked, *requirements.remarks(flight.scenario, flight.layout, flight.signals))
     return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *asked, *flight.remarks(), *files)
 
 

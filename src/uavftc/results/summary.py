@@ -31,6 +31,7 @@ def summary(
     ended_because: str | None,
     ended_at_s: float | None = None,
     numerical: bool = False,
+    verdict: Mapping[str, Any] | None = None,
     axes: Mapping[str, Mapping[str, float | None]],
     timing: Mapping[str, float | int],
     provenance: Mapping[str, Any],
@@ -48,6 +49,8 @@ def summary(
         Reason and time (s) of an early end; None when completed.
     numerical
         Whether it ended for its plant step and not for the vehicle.
+    verdict
+        As `analysis.verdict.Verdict.document` returns it; None where the user ended the flight.
     axes
         For roll, pitch and yaw, every metric of `analysis.metrics.METRICS`; None or NaN where one does not apply.
     timing
@@ -71,6 +74,7 @@ def summary(
         "ended_because": ended_because,
         "ended_at_s": _plain(ended_at_s),
         "numerical": bool(numerical),
+        "verdict": _plain(verdict),
         "axes": {axis: {m.name: _plain(axes[axis][m.name]) for m in metrics.METRICS} for axis in AXES},
         "timing": _plain(timing),
         "warnings": list(warnings),

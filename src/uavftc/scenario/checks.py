@@ -11,6 +11,7 @@ from uavftc.actuators import CHAIN, ENGINES, servo_delay
 from uavftc.config.effect import faults
 from uavftc.config.values import AtLeast, Problem, Signal, Window, key_text, window_of
 from uavftc.environment import KINDS
+from uavftc.scenario import requirements
 from uavftc.scenario.controllers import LOOPS, Controller
 from uavftc.sensors import CHAIN as SENSORS
 
@@ -29,7 +30,8 @@ def problems(scenario: Scenario) -> list[Problem]:
     """Return everything that is wrong with the combination of values; empty if the scenario can be flown."""
     found = _sampling(scenario)
     signals = [] if found else [p for key, entry, s in _signals(scenario) for p in _finite(scenario, key, entry, s)]
-    return [*found, *signals, *overlaps(scenario, lambda surface: (surface,)), *_plant(scenario)]
+    times = [] if found else requirements.problems(scenario)
+    return [*found, *signals, *overlaps(scenario, lambda surface: (surface,)), *_plant(scenario), *times]
 
 
 def warnings(scenario: Scenario) -> list[str]:

@@ -32,6 +32,7 @@ from uavftc.environment import KINDS
 from uavftc.scenario.checks import MAX_SUBSTEPS, problems
 from uavftc.scenario.controllers import AnyController, Controller
 from uavftc.scenario.damage import Damage
+from uavftc.scenario.requirements import Requirement
 from uavftc.sensors import CHAIN as SENSORS
 
 MAX_PLANT_STEP_S = 5e-3  # s; the JSBSim integrators are made for 120-200 Hz
@@ -203,6 +204,8 @@ class Scenario(_Chains):
     """[where the vehicle is lost](#envelope)"""
     simulation: Simulation = Simulation()
     """[how the plant is stepped](#simulation)"""
+    requirements: tuple[Requirement, ...] | None = None
+    """[what the flight must hold to](#requirements); `null` is the default set, `[]` none"""
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
 

@@ -41,9 +41,11 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     axes = metrics_of(records, completed=outcome.completed, controlled=flight.given.axes)
     trusted = TrustedRange(flight.aircraft.trusted)
     trusted.take(records)
+    monitor = flight.monitor()
+    monitor.take(records)
     history = published(records, flight.columns) if keep_history else None
     remarks = (*notes_of(flight), *trusted.remarks())
-    return FlightResult(flight.scenario, outcome, axes, history, origin, remarks, flight.layout)
+    return FlightResult(flight.scenario, outcome, axes, history, origin, remarks, flight.layout, tuple(monitor.found()))
 
 
 def _fly_some(scenarios: Sequence[Scenario], keep_history: bool) -> list[FlightResult]:
