@@ -48,7 +48,7 @@ DIMENSIONLESS = {
     "kind", "surface", "effectiveness", "effectiveness_bounds", "gamma", "adaptation_gain", "Q", "reference_gain",
     "integration", "anti_windup", "centres", "width", "known", "mode", "damping", "ratio", "flow",
     "profile", "exponent", "count", "signs", "onset", "model", "severity", "rotational", "engine", "at", "power",
-    "axis", "attitude_scale_factor_error", "gyro_scale_factor_error",
+    "axis", "attitude_scale_factor_error", "gyro_scale_factor_error", "loop_gain",
 }  # fmt: skip
 UNIT = re.compile(r"(?<![\w/])(1/s|1/s\^2|rad/s|rad/s\^2|rad|s|m/s)(?=[,;.\s]|$)")
 """A unit in a description: keys named by a symbol of the paper have theirs there."""
@@ -88,7 +88,7 @@ ON = {
     "saturation": {"min_rad": -0.05, "max_rad": 0.1},
     "faults": SURFACES_HIT,
     "damage": [{"control_power": {"elevator": 0.5}}],
-    "controller": {"delay_s": 0.0125},
+    "controller": {"delay_s": 0.0125, "loop_gain": 1.5},
     "sensors": {
         "gyro_bias_degps": [1, -2, 3],
         "gyro_misalignment_deg": [3, -2, 1],

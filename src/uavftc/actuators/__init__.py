@@ -19,6 +19,7 @@ from uavftc.actuators import (
     hardover,
     intermittent,
     lag,
+    loop_gain,
     oscillatory,
     saturation,
     servo_delay,
@@ -28,6 +29,7 @@ from uavftc.actuators import (
 )
 
 CHAIN = (
+    loop_gain,
     delay,
     saturation,
     deadband,

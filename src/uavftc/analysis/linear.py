@@ -9,18 +9,9 @@ omega the effectiveness, one factor a channel, taken as constant: only then is C
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-
-class StateSpace(NamedTuple):
-    """x' = A x + B u, y = C x + D u; shapes (n, n), (n, m), (p, n), (p, m)."""
-
-    A: np.ndarray
-    B: np.ndarray
-    C: np.ndarray
-    D: np.ndarray
+from uavftc.core.statespace import StateSpace as StateSpace
 
 
 def static(D: np.ndarray) -> StateSpace:

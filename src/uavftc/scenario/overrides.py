@@ -116,8 +116,19 @@ def apply(document: Document, override: str, where: str | None = None) -> None:
     text, equals, value_text = override.partition("=")
     if not equals:
         raise _error(where, "no '='", "--set KEY=VALUE", "for example --set reference.phi_deg=3")
-    key = _path(text.strip(), where)
     value, _ = parse(value_text, where, lines=False)
+    put(document, text.strip(), value, where)
+
+
+def put(document: Document, text: str, value: Any, where: str) -> None:
+    """Set the value at a dotted key; missing sections are created.
+
+    Raises
+    ------
+    InputError
+        As `apply`.
+    """
+    key = _path(text, where)
     target: Any = document.data
     taken: Key = ()
     for i, written in enumerate(key):

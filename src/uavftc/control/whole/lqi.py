@@ -29,6 +29,7 @@ from uavftc.core.axes import indices
 from uavftc.core.given import ControlDesign
 from uavftc.core.kinematics import wrapped
 from uavftc.core.stage import Stage, law, params_of
+from uavftc.core.statespace import StateSpace
 
 UNLIMITED = 0.5  # rad, what a surface without limits counts for in R
 
@@ -55,6 +56,13 @@ def params(design: ControlDesign, h: float, options: Mapping[str, Any]) -> np.nd
     K = np.zeros((3, 9))
     K[np.ix_(own, states(own))] = np.linalg.solve(R + Gamma.T @ S @ Gamma, Gamma.T @ S @ Phi)
     return params_of(PARAMS, h=h, K=K, v_min=design.limits_rad[:, 0], v_max=design.limits_rad[:, 1])
+
+
+def linear(design: ControlDesign, h: float, options: Mapping[str, Any]) -> StateSpace:
+    """Return the law about the trim and without limits: sampled, from [x1, x2], shape (6,), to v2; its state is xi."""
+    K = params(design, h, options)["K"][0]
+    to_xi = h * np.eye(3, 6)
+    return StateSpace(np.eye(3), to_xi, -K[:, 6:], -K[:, :6])
 
 
 def sampled(design: ControlDesign, h: float) -> tuple[np.ndarray, np.ndarray]:

@@ -30,6 +30,7 @@ import numpy as np
 from uavftc.control.custom.controller import positive_options
 from uavftc.core.axes import embedded, masked, reduced
 from uavftc.core.given import ControlDesign
+from uavftc.core.statespace import StateSpace
 
 Step = Callable[[float, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, dict[str, np.ndarray]]]
 
@@ -62,6 +63,20 @@ def create(design: ControlDesign, h: float, options: Mapping[str, Any]) -> Step:
         return v2, {"v1": v1}
 
     return step
+
+
+def linear(design: ControlDesign, h: float, options: Mapping[str, Any]) -> StateSpace:
+    """Return the law about the trim and without limits: sampled, from [x1, x2], shape (6,), to v2; its state is z."""
+    chosen = positive_options(options, attitude_bandwidth=0.5, rate_bandwidth=3.0)
+    omega_a, omega_r = chosen["attitude_bandwidth"], chosen["rate_bandwidth"]
+    B_inverse = np.linalg.inv(design.B)
+    e = np.hstack([-omega_a * rates_from_euler(design.x1_trim), -np.eye(3)])
+    return StateSpace(
+        np.eye(3),
+        h * omega_r**2 * e,
+        B_inverse,
+        B_inverse @ (2.0 * omega_r * e - np.hstack([np.zeros((3, 3)), design.A])),
+    )
 
 
 def rates_from_euler(x1: np.ndarray) -> np.ndarray:

@@ -1,0 +1,64 @@
+"""A scenario changed by values, in Python: with the same checks and messages as one read from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from uavftc.config.document import Document, Origin
+from uavftc.config.explain import explain
+from uavftc.errors import join
+from uavftc.scenario.overrides import put
+from uavftc.scenario.schema import Scenario
+
+
+def changed(scenario: Scenario, values: Mapping[str, Any], where: str = "") -> Scenario:
+    """Return a scenario with other values at dotted keys, such as ``faults[0].effectiveness``.
+
+    Parameters
+    ----------
+    scenario
+        Left as it is.
+    values
+        By key, as a file has them.
+    where
+        What the user changed it by, for messages; the key itself where it is empty.
+
+    Raises
+    ------
+    InputError
+        If a key does not exist or a value is wrong.
+    """
+
+    def edit(document: Document) -> None:
+        for key, value in values.items():
+            put(document, key, value, where or f"{key} = {value}"[:200])
+
+    return remade(scenario, edit, where or "a change of the scenario")
+
+
+def remade(scenario: Scenario, edit: Callable[[Document], None], where: str) -> Scenario:
+    """Return a scenario made anew of its data after `edit` has changed them.
+
+    Raises
+    ------
+    InputError
+        If it is wrong then; `where` says by what.
+    """
+    document = Document(_lists(scenario.model_dump()), where)
+    edit(document)
+    try:
+        made = Scenario.model_validate(document.data)
+    except ValidationError as error:
+        raise join(explain(error, document, Scenario)) from None
+    made._origin = Origin(document)
+    return made
+
+
+def _lists(value: Any) -> Any:
+    """Return the data with lists in place of tuples, so that they can be changed."""
+    if isinstance(value, dict):
+        return {key: _lists(item) for key, item in value.items()}
+    return [_lists(item) for item in value] if isinstance(value, list | tuple) else value
