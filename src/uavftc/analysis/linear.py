@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.core.statespace import StateSpace as StateSpace
+from uavftc.core.statespace import StateSpace
 
 
 def static(D: np.ndarray) -> StateSpace:

@@ -13,11 +13,12 @@ from uavftc.cli.bench import bench
 from uavftc.cli.compare import compare
 from uavftc.cli.design import design
 from uavftc.cli.fly import fly
+from uavftc.cli.margin import margin
 from uavftc.cli.outcome import exit_codes
 from uavftc.cli.process import run
 from uavftc.cli.reproduce import reproduce
 
-COMMANDS = (fly, design, aircraft, reproduce, compare, bench)
+COMMANDS = (fly, design, aircraft, reproduce, compare, margin, bench)
 """The commands of `uavftc`, in the order in which its help lists them."""
 
 _SETTINGS: dict[str, Any] = {

@@ -29,7 +29,12 @@ def print_limits(console: Console, title: str, entries: Sequence[Entry]) -> None
         if last not in (None, name):
             table.add_section()
         held, broke = entry["bracket"]
-        row = (_number(held), "-" if broke is None else _number(broke), entry["criterion"] or "-", _number(entry["linear"]))
+        row = (
+            _number(held),
+            "-" if broke is None else _number(broke),
+            entry["criterion"] or "-",
+            _number(entry["linear"]),
+        )
         table.add_row(Text(name if name != last else ""), Text(entry["controller"]), *(Text(cell) for cell in row))
         last = name
     console.print(table)
@@ -67,21 +72,21 @@ def draw_limits(file: Path, title: str, entries: Sequence[Entry]) -> None:
     """Draw the margin against each quantity, one line a controller, the limit where it crosses 0."""
     import matplotlib.pyplot as plt  # noqa: PLC0415 - takes most of a second
 
-    from uavftc.report.side_colours import CYCLE  # noqa: PLC0415
+    from uavftc.report import palette  # noqa: PLC0415
 
     names = list(dict.fromkeys(name_of(entry) for entry in entries))
     controllers = list(dict.fromkeys(entry["controller"] for entry in entries))
+    looks = palette.controllers(controllers)
     columns = min(3, len(names))
     rows = -(-len(names) // columns)
     fig, axes = plt.subplots(rows, columns, figsize=(4.2 * columns + 0.6, 3.0 * rows + 1.0), squeeze=False, sharey=True)
     for ax, name in zip(axes.flat, names, strict=False):
         of_it = [entry for entry in entries if name_of(entry) == name]
         for entry in of_it:
-            colour, dashes, marker = CYCLE[controllers.index(entry["controller"]) % len(CYCLE)]
             curve = sorted(entry["curve"])
             x, y = [v for v, _ in curve], [m for _, m in curve]
             label = entry["controller"]
-            ax.plot(x, y, color=colour, linestyle=dashes, marker=marker, markersize=3.5, linewidth=1.2, label=label)
+            ax.plot(x, y, **looks[label], markersize=3.5, linewidth=1.2, label=label)
         values = sorted({v for entry in of_it for v, _ in entry["curve"]})
         positive = [v for v in values if v > 0.0]
         if positive and positive[-1] / positive[0] >= 30.0:

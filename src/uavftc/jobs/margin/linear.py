@@ -30,11 +30,16 @@ def linear_margins(scenario: Scenario) -> dict[str, float]:
     if not all(flight.given.axes):
         return {}
     law, design, h = LINEAR[controller.kind], flight.given.design, flight.given.h
-    margins = loop_margins(held(rotation(design.A, design.B, design.x1_trim), h), law.linear(design, h, controller.options), h)
+    plant = held(rotation(design.A, design.B, design.x1_trim), h)
+    margins = loop_margins(plant, law.linear(design, h, controller.options), h)
     if not margins.stable:
         return {}
     late = flight.given.plant_step if flight.given.at_end else 0.0
-    found = {"delay": max(0.0, float(margins.delay_s) - late), "gain": float(margins.gain), "gain_reduction": margins.gain_reduction}
+    found = {
+        "delay": max(0.0, float(margins.delay_s) - late),
+        "gain": float(margins.gain),
+        "gain_reduction": float(margins.gain_reduction),
+    }
     return {name: value for name, value in found.items() if math.isfinite(value) and value > 0.0}
 
 

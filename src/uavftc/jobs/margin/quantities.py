@@ -1,13 +1,13 @@
 """What may be varied to find where a verdict changes: each quantity, its range, and how a scenario gets it.
 
-    delay                  delay of the loop, s                    0 to 0.5
-    gain                   gain of the loop, up                    1 to 100
-    gain_reduction         gain of the loop, down                  1 to 0.01
-    actuator_bandwidth     of a first-order servo, rad/s           1000 down to 1
-    effectiveness          of one effector or gang, all the time   1 down to 0, times that of the scenario's faults
-    bias                   of one effector or gang, all the time   0 to 20 deg, on top of that of the scenario's faults
-    gyro_noise             density, deg/s/sqrt(Hz), each axis      0 to 10
-    KEY                    any number of the scenario              as given, KEY=LOW..HIGH
+delay                  delay of the loop, s                    0 to 0.5
+gain                   gain of the loop, up                    1 to 100
+gain_reduction         gain of the loop, down                  1 to 0.01
+actuator_bandwidth     of a first-order servo, rad/s           1000 down to 1
+effectiveness          of one effector or gang, all the time   1 down to 0, times that of the scenario's faults
+bias                   of one effector or gang, all the time   0 to 20 deg, on top of that of the scenario's faults
+gyro_noise             density, deg/s/sqrt(Hz), each axis      0 to 10
+KEY                    any number of the scenario              as given, KEY=LOW..HIGH
 """
 
 from __future__ import annotations
@@ -139,7 +139,9 @@ def chosen(names: Sequence[str] | None, over: Sequence[str], targets: Sequence[s
             found.append(LOOP[name])
         else:
             expected = f"one of {', '.join(NAMES)}; effectiveness and bias with :NAME for one of {', '.join(targets)}"
-            raise InputError(f"--quantity {text[:100]}", found=f"'{text[:100]}'", expected=expected, remedy="choose one")
+            raise InputError(
+                f"--quantity {text[:100]}", found=f"'{text[:100]}'", expected=expected, remedy="choose one"
+            )
     return [*found, *(_key(text) for text in over)]
 
 
