@@ -59,7 +59,10 @@ def loop_margins(plant: StateSpace, controller: StateSpace, h: float) -> LoopMar
     """
     frequencies = np.geomspace(LOWEST, 1.0, POINTS) * math.pi / h
     mu = _followed(_eigenvalues(plant, controller, np.exp(1j * frequencies * h)))
-    ends = mu[-1].real  # at half the rate of the samples everything is real
+    ends = [
+        *_steady(plant, controller),
+        *mu[-1].real,
+    ]  # everything is real at rest, and at half the rate of the samples
     delays, gains = [math.inf], [-1.0 / end for end in ends if end < 0.0]
     for line in mu.T:
         phase, size = np.unwrap(np.angle(line)), np.log(np.abs(line))
@@ -93,6 +96,15 @@ def closed(plant: StateSpace, controller: StateSpace) -> np.ndarray:
 def _eigenvalues(plant: StateSpace, controller: StateSpace, z: np.ndarray) -> np.ndarray:
     """Return those of the return ratio at each z, shape (points, n)."""
     return np.linalg.eigvals(-_response(controller, z) @ _response(plant, z))
+
+
+def _steady(plant: StateSpace, controller: StateSpace) -> list[float]:
+    """Return the real eigenvalues of the return ratio at z = 1; none where something integrates."""
+    systems = [system for system in (plant, controller) if len(system.A)]
+    if any(np.linalg.cond(np.eye(len(system.A)) - system.A) > 1e12 for system in systems):
+        return []
+    mu = _eigenvalues(plant, controller, np.ones(1))[0]
+    return [float(value.real) for value in mu if value.imag == 0.0]
 
 
 def _response(system: StateSpace, z: np.ndarray) -> np.ndarray:
