@@ -26,7 +26,8 @@ def part_of(w, zeta, dt):
 
 @pytest.mark.parametrize("substeps", [1, 3])
 def test_a_step_of_first_order_follows_the_closed_form(substeps):
-    # y = c (1 - exp(-w t)) of the servo at each sample; the deflection is its mean over the plant step, or its end
+    # y = c (1 - exp(-w t)) of the servo at each sample; the deflection is its mean over the plant step, or its end,
+    # with a twelfth of the corner with which it starts, from y' = 0 to w c
     w, dt = 57.0, H / substeps
     t = dt * np.arange(N * substeps)
     y = 0.05 * (1.0 - np.exp(-w * t))
@@ -35,7 +36,35 @@ def test_a_step_of_first_order_follows_the_closed_form(substeps):
     np.testing.assert_allclose(got.servo[:, 2], y[::substeps], rtol=0, atol=1e-15)
     np.testing.assert_allclose(got.every[:, 2], mean, rtol=0, atol=1e-15)
     end = moved(STEP, {"bandwidth_radps": w}, substeps=substeps, at_end=True).every[:, 2]
-    np.testing.assert_allclose(end[:-1], y[1:], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(end[0], y[1] + dt * w * 0.05 / 12.0, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(end[1:-1], y[2:], rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("substeps", [4, 8])
+@pytest.mark.parametrize("limit", [inf, 100.0])
+def test_adams_bashforth_3_has_the_integral_of_a_servo_through_its_corner(limit, substeps):
+    # of a command that is held; the corner by itself would be short by dt^2/12 of the first rate
+    w, c, dt, R = 57.0, 0.05, H / substeps, np.radians(limit)
+    keys = {"bandwidth_radps": w} | ({} if limit == inf else {"rate_limit_degps": limit})
+    f = np.concatenate([np.zeros(3), moved(STEP, keys, substeps=substeps, at_end=True).every[:-1, 2]])
+    integral = dt * (23.0 * f[2:-1] - 16.0 * f[1:-2] + 5.0 * f[:-3]).sum() / 12.0
+    ramp = max(0.0, c / R - 1.0 / w)  # at the limit of the rate, before y' = w (c - y)
+    way = R * ramp if ramp > 0.0 else 0.0
+    exact = 0.5 * way * ramp + c * (dt * (len(f) - 3) - ramp) - (c - way) / w
+    assert abs(integral - exact) < 0.01 * dt**2 / 12.0 * min(w * c, R)
+
+
+@pytest.mark.parametrize("more", [{"backlash_deg": 0.1}, {"damping": 0.7}, {"bandwidth_radps": None}])
+def test_a_corner_is_added_where_nothing_behind_follows_it(more):
+    # a play would keep what is beyond the way of the servo; second order has no corner; a rate limiter arrives inside
+    keys = {"bandwidth_radps": 57.0, "rate_limit_degps": 100.0, **more}
+    got = moved(RANDOM, keys, at_end=True)
+    play = 0.5 * np.radians(0.1) if "backlash_deg" in more else 0.0
+    after = np.abs(got.every[:-1, 2] - got.servo[1:, 2])
+    if more == {"bandwidth_radps": None}:
+        expected = np.clip(RANDOM[:-1] - got.servo[:-1, 2], -np.radians(100.0) * H, np.radians(100.0) * H)
+        np.testing.assert_allclose(got.servo[1:, 2], got.servo[:-1, 2] + expected, rtol=0, atol=1e-15)
+    assert after.max() <= play + 1e-15
 
 
 @pytest.mark.parametrize("zeta", [0.2, 0.7, 1.0, 2.5])

@@ -18,14 +18,21 @@ from uavftc.results.flight import notes_of
 from uavftc.scenario.load import load_scenario, scenario_text
 
 REAL = "actuators={bandwidth_radps: 57, damping: 0.7, rate_limit_degps: 100, delay_s: 0.02}"
+ACCURATE = [  # with the plant steps a sample that are chosen for it: 57 rad/s x 0.83 ms, or 1.25 ms
+    (REAL, 6),
+    ("actuators={bandwidth_radps: 57, damping: 0.7, delay_s: 0.02}", 6),
+    ("actuators={bandwidth_radps: 57, delay_s: 0.02}", 6),
+    ("actuators={bandwidth_radps: 57, delay_s: 0.02, backlash_deg: 0.1}", 6),
+    ("actuators={rate_limit_degps: 60, delay_s: 0.01}", 4),
+]
 
 
+@pytest.mark.parametrize(("servo", "chosen"), ACCURATE)
 @pytest.mark.parametrize("plant", ["jsbsim", "analytic"])
-def test_integrals_change_by_less_than_a_thousandth_at_half_the_step(plant):
+def test_integrals_change_by_less_than_a_thousandth_at_half_the_step(plant, servo, chosen):
     # IAE, ISE, ITAE, ITSE of scenario 3 with a real servo, at the steps that are chosen for it and at half of them
-    chosen = timing_of(load_scenario("scenario3", plant=plant, overrides=[REAL])).substeps
-    assert chosen == 4  # 57 rad/s x 1.25 ms
-    coarse, fine = (integrals("scenario3", plant, (REAL, f"simulation.substeps={n}")) for n in (chosen, 2 * chosen))
+    assert timing_of(load_scenario("scenario3", plant=plant, overrides=[servo])).substeps == chosen
+    coarse, fine = (integrals("scenario3", plant, (servo, f"simulation.substeps={n}")) for n in (chosen, 2 * chosen))
     assert np.abs(coarse / fine - 1.0).max() < 1e-3
 
 
@@ -33,11 +40,14 @@ def test_plant_steps_suit_the_servo_and_all_delays_where_they_are_left_open():
     def substeps(*overrides):
         return timing_of(load_scenario("scenario3", overrides=list(overrides))).substeps
 
-    assert substeps("actuators.rate_limit_degps=60") == 1  # nothing to resolve
+    assert substeps("actuators.min_deg=-5") == 1  # nothing to resolve
+    assert substeps("actuators.rate_limit_degps=60") == 4
     assert substeps("actuators.bandwidth_radps=10") == 1
-    assert substeps("actuators.rudder.bandwidth_radps=57") == 4
+    assert substeps("actuators.rudder.bandwidth_radps=57") == 6
     assert substeps("actuators.bandwidth_radps=1000") == 8  # as fine as it becomes
-    assert substeps("actuators.delay_s=0.0125") == 2
+    assert substeps("actuators.delay_s=0.0125") == 4
+    assert substeps("actuators.delay_s=0.011") == 5  # fifths of a sample
+    assert substeps("faults=[{kind: rate-limit, surface: rudder, rate_degps: 5}]") == 4
     assert substeps("actuators.delay_s=0.0125", "actuators.rudder.delay_s=0.011") == 8  # halves and fifths: the finest
     assert substeps("faults=[{kind: delay, surface: rudder, delay_s: 0.006}]") == 5
     assert substeps("actuators.bandwidth_radps=57", "simulation.substeps=1") == 1  # who asks for one gets it
@@ -45,7 +55,8 @@ def test_plant_steps_suit_the_servo_and_all_delays_where_they_are_left_open():
 
 @pytest.mark.parametrize("plant", ["jsbsim", "analytic"])
 def test_the_servo_is_published_counted_as_its_surface_is(plant):
-    # between the samples of a fault-free flight the surface is what the servo reaches: to the end of the step on JSBSim
+    # between the samples of a fault-free flight the surface is what the servo reaches: to the end of the step on
+    # JSBSim, with a twelfth of the corner of each new command besides
     over = ("actuators.bandwidth_radps=20", "actuators.rudder=null", "simulation.substeps=1", "duration_s=5")
     flight, records, _ = flown("scenario1", plant, None, over)
     names = [c.name for c in flight.columns if c.name.endswith("_servo_rad")]
@@ -59,7 +70,9 @@ def test_the_servo_is_published_counted_as_its_surface_is(plant):
         u = np.clip(u, low, high)
         np.testing.assert_allclose(y[1:], y[:-1] + share * (u[:-1] - y[:-1]), rtol=0, atol=1e-14)
         if plant == "jsbsim":
-            np.testing.assert_allclose(history[f"{name}_rad"][:-1], y[1:], rtol=0, atol=1e-14)
+            corner = 20.0 * np.diff(u, prepend=u[:1])  # y' = 20 (u - y) jumps by this as the command does
+            corner[0] = 20.0 * u[0]
+            np.testing.assert_allclose(history[f"{name}_rad"][:-1], y[1:] + corner[:-1] * 0.005 / 12, atol=1e-14)
 
 
 def test_a_scenario_as_flown_says_the_same_again():

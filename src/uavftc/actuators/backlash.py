@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from uavftc.actuators.fault import SurfaceFault
-from uavftc.actuators.servo import Keys, note, part_of, schedule, servos, value_of
+from uavftc.actuators.servo import Keys, Schedule, note, part_of, schedule, servos, value_of
 from uavftc.config.values import NonNegative, Positive
 from uavftc.core.given import Given
 from uavftc.core.stage import RAW, Block, Stage, floats, law, records_of
@@ -78,11 +78,16 @@ def step(p, s, e, row):
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection"])
 
 
+def widths(config: Keys, given: Given) -> Schedule:
+    """Return the play of each effector in time, rad."""
+    own = [0.0 if servo.keys is None else radians(servo.keys.backlash_deg) for servo in servos(config, given)]
+    return schedule(own, 0.0, Widened, lambda w, fault: max(w, radians(fault.width_deg)), given)
+
+
 def blocks(config: Config, given: Given) -> list[Block]:
     """Return the play of each effector; none where there is none."""
-    own = [0.0 if servo.keys is None else radians(servo.keys.backlash_deg) for servo in servos(config, given)]
-    width = schedule(own, 0.0, Widened, lambda w, fault: max(w, radians(fault.width_deg)), given)
+    width = widths(config, given)
     if not width.acts.any():
         return []
-    state = np.column_stack([np.zeros(len(own)), width.table])
-    return [stage.block(records_of(PARAMS, len(own), count=width.switches), state)]
+    state = np.column_stack([np.zeros(len(width.table)), width.table])
+    return [stage.block(records_of(PARAMS, len(state), count=width.switches), state)]

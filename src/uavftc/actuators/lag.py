@@ -10,6 +10,11 @@ the step on the analytic plant, which holds its inputs over one, and y at the en
 surfaces there and integrates by a multi-step rule. The servo itself, y at t_k, is in the history as
 `<effector>_servo_rad`.
 
+A servo of first order begins each command with a jump of y', at the beginning of a plant step of T. Adams-Bashforth 3,
+by which JSBSim integrates the body rates, then gives the integral of y short by T^2/12 of the jump, as a delay of 7 us
+would (57 rad/s, T = 1.25 ms); a loop near its phase margin feels that. So there the effector gets T/12 of the jump
+besides, at that one step, unless it has backlash or a servo of the aircraft's, which would follow it.
+
 A fault of the kind `rate-limit` lowers R to `rate_degps`; a servo that is slower by itself stays so. The memory, y and
 y', goes on after the window with the servo's own limit: from where the servo is it catches up as that allows, and an
 ideal servo at once.
@@ -23,8 +28,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from uavftc.actuators import backlash
 from uavftc.actuators.fault import SurfaceFault
-from uavftc.actuators.response import LONGEST, first_order, second_order
+from uavftc.actuators.response import LONGEST, first_order, rate_of, second_order
 from uavftc.actuators.servo import LEAST_RAD, Keys, moved_of, note, part_of, schedule, servos, value_of
 from uavftc.config.values import Number, Positive, Problem
 from uavftc.core.given import Given
@@ -40,6 +46,7 @@ PARAMS = np.dtype(
         ("low", "f8"),  # rad about trim
         ("high", "f8"),
         ("dt", "f8"),  # plant step, s
+        ("corner", "f8"),  # of a jump of y', s: what the effector gets of it
         ("end", "f8"),  # 1 where the plant takes the position at its end, 0 for the mean
         ("part", "f8"),  # of it, at most in one series, s
         ("count", "i8"),  # of switches of the limit of the rate
@@ -49,6 +56,7 @@ STATE = RAW  # y, rad, and y', rad/s, in [0] and [1]; then the switches, the lim
 # moved the servo, rad
 FIRST = 2  # place of the switches
 
+CORNER = 1.0 / 12.0  # of a jump of y', times the step: what Adams-Bashforth 3 leaves out
 MOST_RADPS = 1e4  # a servo of 1600 Hz; beyond it a plant step of 5 ms takes hundreds of series of second order
 MOST_DAMPING = 10.0
 
@@ -103,7 +111,7 @@ def move(p, y, v, u, R):
         return second_order(y, v, u, p.w, p.zeta, R, p.low, p.high, p.dt, p.part)
     if p.order == 1 or inf != R:
         end, mean = first_order(y, u, p.w, R, p.low, p.high, p.dt)
-        return end, v, mean
+        return end, rate_of(end, u, p.w, R, p.low, p.high), mean
     end = p.low if u < p.low else (p.high if u > p.high else u)
     return end, v, end
 
@@ -123,7 +131,10 @@ def step(p, s, e, row):
         if p.end == 0.0:
             note(memory, FIRST, p.count, i, e.deflection - mean_own)
     if p.end != 0.0:
-        e.deflection = memory[0]
+        end = memory[0]
+        if p.corner != 0.0:
+            end += p.corner * (rate_of(y, u, p.w, R, p.low, p.high) - v)
+        e.deflection = p.low if end < p.low else (p.high if end > p.high else end)
 
 
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection", "servo"])
@@ -160,12 +171,14 @@ def blocks(config: Config, given: Given) -> list[Block]:
         return []
     rate, T = rate_limits(config, given), given.plant_step
     params = np.zeros(len(given.effectors), PARAMS)
+    followed = backlash.widths(config, given).acts | np.array([bool(own) for own in given.servos] or [False])
     for p, servo in zip(params, servos(config, given), strict=True):
         keys = Config() if servo.keys is None else servo.keys
         w = inf if keys.bandwidth_radps is None else keys.bandwidth_radps
         p["order"] = 0 if w == inf else 1 if keys.damping is None else 2
         p["w"], p["zeta"], p["dt"], p["end"] = w, keys.damping or 0.0, T, given.at_end
         p["part"] = T / ceil(T * w * max(1.0, 2.0 * (keys.damping or 0.0)) / LONGEST) if w != inf else T
+    params["corner"] = np.where((params["order"] == 1) & ~followed, CORNER * T, 0.0)
     params["low"], params["high"] = positions(config, given).T
     params["count"] = rate.switches
     return [stage.block(params, np.column_stack([np.zeros((len(params), 2)), rate.table]))]

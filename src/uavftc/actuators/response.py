@@ -47,6 +47,16 @@ def approach(y, u, w, R, t):
 
 
 @law
+def rate_of(y, u, w, R, low, high):
+    """Return the rate of a servo of first order at a position, towards u."""
+    way = u - y
+    if way == 0.0 or (y >= high and way > 0.0) or (y <= low and way < 0.0):
+        return 0.0
+    rate = min(w * abs(way), R)
+    return rate if way > 0.0 else -rate
+
+
+@law
 def first_order(y, u, w, R, low, high, T):
     """Return the position after a step of T, s, and its mean over the step."""
     end, area = approach(y, u, w, R, T)

@@ -38,7 +38,7 @@ from uavftc.flight.inputs import Inputs
 from uavftc.flight.layouts import claimed_stops, layout_of
 from uavftc.flight.named import refuse, refuse_impossible, refuse_unknown
 from uavftc.flight.requirements import asked, default_set, signals_of
-from uavftc.flight.servos import own_servos, published
+from uavftc.flight.servos import acting, own_servos, published
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
 from uavftc.plants.jsbsim.model import TrimmedModel
@@ -112,7 +112,7 @@ def build_flight(scenario: Scenario) -> Flight:
         scenario = scenario.model_copy(update={"requirements": default_set(scenario, aircraft, model, axes)})
     check_start(scenario)
     finer = model is not None and scenario.plant == "jsbsim"
-    timing = timing_of(scenario, model.frame_s if model is not None and finer else math.inf)
+    timing = timing_of(acting(scenario, model), model.frame_s if model is not None and finer else math.inf)
     layout = layout_of(scenario, aircraft, model)
     refuse_unknown(scenario, layout)
     refuse_damage(scenario, aircraft, model)

@@ -25,6 +25,16 @@ def own_servos(scenario: Scenario, model: TrimmedModel | None) -> tuple[Mapping[
     return tuple(effector.servo for effector in model.effectors)
 
 
+def acting(scenario: Scenario, model: TrimmedModel | None) -> Scenario:
+    """Return the scenario without the common keys where they act on nothing: each effector has the aircraft's servo."""
+    own = own_servos(scenario, model)
+    if not own or not all(own):
+        return scenario
+    config = scenario.actuators
+    ideal = {key: field.default for key, field in type(config).model_fields.items()}
+    return scenario.model_copy(update={"actuators": config.model_copy(update=ideal)})
+
+
 def published(config: Any, given: Given) -> tuple[str, ...]:
     """Return the effectors whose servo has a place of its own in the history."""
     acts = lag.acts_on(config, given)
