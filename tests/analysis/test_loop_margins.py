@@ -68,7 +68,10 @@ def test_the_margins_are_where_the_poles_leave_the_unit_circle(seed):
     A = rng.normal(size=(4, 4)) - 2.5 * np.eye(4)
     plant = held(StateSpace(A, rng.normal(size=(4, 2)), np.eye(4), np.zeros((4, 2))), h)
     controller = StateSpace(
-        np.diag([0.99, 0.95]), 0.01 * rng.normal(size=(2, 4)), 0.3 * rng.normal(size=(2, 2)), 0.3 * rng.normal(size=(2, 4))
+        np.diag([0.99, 0.95]),
+        0.01 * rng.normal(size=(2, 4)),
+        0.3 * rng.normal(size=(2, 2)),
+        0.3 * rng.normal(size=(2, 4)),
     )
     margins = loop_margins(plant, controller, h)
     assert margins.stable

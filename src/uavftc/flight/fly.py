@@ -13,6 +13,7 @@ from uavftc.core.program import STOPPED
 from uavftc.core.signals import as_records, empty_rows
 from uavftc.flight import envelope, numerical
 from uavftc.flight.build import Flight
+from uavftc.flight.departure import departure
 from uavftc.flight.idle import Idle
 from uavftc.flight.numerical import Tape
 from uavftc.flight.recorder import MemoryRecorder, Recorder
@@ -126,7 +127,10 @@ def _fly(
     if unsound is not None and not stopped:
         return Outcome(False, unsound, 0.0, False, done, wall_s, numerical=True)
     if lost is not None:
-        is_numerical, reason, remarks = numerical.verdict(flight, tape, lost, _reason(flight, lost), stop)
+        because = _reason(flight, lost)
+        if lost["status"] in envelope.OUTSIDE and (began := departure(flight, records[:keep])) is not None:
+            because = f"{began}; ended by {because}"
+        is_numerical, reason, remarks = numerical.verdict(flight, tape, lost, because, stop)
         at = float(lost["t"])
         return Outcome(False, reason, at, False, done, wall_s, is_numerical, (*remarks, *idle.remarks(at)))
     if done < total:
