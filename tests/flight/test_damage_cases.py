@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import warnings
 from pathlib import Path
 
 import jsbsim
@@ -234,6 +235,34 @@ def test_the_flight_before_the_damage_is_the_undamaged_one_to_the_bit(case):
     for name in ("x1", "x2", "airspeed", "altitude", "alpha", "beta", "throttle", "v2", "u2", "d1_hat"):
         np.testing.assert_array_equal(records[name][before], undamaged[name][before], err_msg=name)
     assert not np.array_equal(records["x2"], undamaged["x2"])
+
+
+J = np.array([[52723.0, 0.0, -8435.0], [0.0, 6314.0, 0.0], [-8435.0, 0.0, 58771.0]])  # kg m^2, hale's as printed
+
+
+def mass_properties(fdm: jsbsim.FGFDMExec) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return mass, kg, centre of gravity, m, body axes from the structural origin, and the matrix J, kg m^2."""
+    place = np.array([-fdm["inertia/cg-x-in"], fdm["inertia/cg-y-in"], -fdm["inertia/cg-z-in"]]) * 0.0254
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PendingDeprecationWarning)  # the binding returns a numpy.matrix
+        found = np.array(fdm.get_mass_balance().get_J())
+    return fdm["inertia/mass-slugs"] * SLUG_KG, place, found * SLUG_KG * 0.3048**2
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_case_has_the_mass_properties_that_its_file_says(case):
+    # by hand, from the numbers of the file, to 1e-7: the mass by JSBSim's g, J of its largest moment
+    (entry,) = load_scenario(f"damage/{case}").damage
+    flight, _, _ = flown(f"damage/{case}", "jsbsim", None, OVER)
+    undamaged, _, _ = flown(f"damage/{case}", "jsbsim", None, ("damage=[]", "duration_s=4"))
+    mass, place, found = mass_properties(flight.plant.fdm)
+    e = entry.inertia_kgm2
+    change = np.diag([e.ixx_kgm2, e.iyy_kgm2, e.izz_kgm2])
+    for (i, j), product in {(0, 1): e.ixy_kgm2, (0, 2): e.ixz_kgm2, (1, 2): e.iyz_kgm2}.items():
+        change[i, j] = change[j, i] = -product
+    assert mass == pytest.approx(MASS + entry.mass_kg, rel=1e-7)
+    np.testing.assert_allclose(place - mass_properties(undamaged.plant.fdm)[1], entry.cg_m, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(found, J + change, rtol=0, atol=1e-7 * J[2, 2])
 
 
 def test_mass_properties_come_back_at_the_end_of_the_window():

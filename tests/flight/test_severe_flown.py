@@ -9,6 +9,7 @@ from flying import flown
 from plain import FORCES, MOMENTS, replayed
 from uavftc.config.effect import tag_of
 from uavftc.config.shipped import scenario_names
+from uavftc.core.signals import as_records, empty_rows
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.flight.recorder import published
@@ -20,18 +21,22 @@ LEFT = "faults=[{{kind: {}, surface: left_aileron, start_s: 0.5, end_s: 3}}]"
 
 @pytest.mark.parametrize("fault", ["hardover, rate_degps: 40, to_deg: 10", "stuck, at_deg: -4", "float, ratio: 0.5"])
 def test_a_left_aileron_with_a_fault_flies_as_plain_jsbsim_with_the_same_positions(fault):
-    # states at each row, and the forces and moments of the last frame, which the plant still has
+    # states before, and forces and moments after, each frame
     overrides = (LEFT.format(fault), "duration_s=4", "saturation=null")
     flight = build_flight(load_scenario("scenario1", overrides=list(overrides)))
-    records, outcome = fly_to_memory(flight)
-    assert outcome.completed
+    rows = empty_rows(flight.steps + 1, flight.shape)
+    records = as_records(rows, flight.shape)
+    flight.inputs.fill(records, 0)
+    ours = np.empty((len(rows), 6))
+    for k in range(len(rows)):
+        assert flight.plant.run(flight.program, rows, k, k + 1) == k + 1
+        ours[k] = [flight.plant.fdm[name] for name in (*FORCES, *MOMENTS)]
     history = published(records, flight.columns)
     states, forces = replayed(history, flight.model.trim)
     np.testing.assert_allclose(np.unwrap(states[:, :3], axis=0), records["x1"], rtol=0, atol=1e-9)
     np.testing.assert_allclose(states[:, 3:], records["x2"], rtol=0, atol=1e-9)
-    ours = np.array([flight.plant.fdm[name] for name in (*FORCES, *MOMENTS)])
     scale = np.abs(forces).max(axis=0).reshape(2, 3).max(axis=1).repeat(3)
-    np.testing.assert_allclose(ours / scale, forces[-1] / scale, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(ours / scale, forces / scale, rtol=0, atol=1e-9)
     inside = (records["t"] >= 0.5) & (records["t"] < 3.0)
     assert np.ptp(history["left_aileron_rad"] - history["left_aileron_cmd_rad"]) > 1e-3
     np.testing.assert_array_equal(history["left_aileron_rad"][~inside], history["left_aileron_cmd_rad"][~inside])
