@@ -21,7 +21,7 @@ def rows(flight, n=400):
     return records
 
 
-@pytest.mark.parametrize(("axis", "name"), enumerate(AXES))
+@pytest.mark.parametrize(("axis", "name"), list(enumerate(AXES)))
 def test_the_axis_and_the_moment_after_the_last_small_error(flight, axis, name):
     records = rows(flight)
     records["x1"][50:60, axis] = 0.1  # away and back again

@@ -41,6 +41,9 @@ def fly(
     ] = None,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    twin: Annotated[
+        bool, typer.Option("--twin", help="Fly the same without faults, too, and show what the faults did.")
+    ] = False,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 4 where a requirement is broken.")] = False,
 ) -> None:
     """Fly SCENARIO and write table, history and figures of the flight.
@@ -67,6 +70,7 @@ def fly(
         figures=not no_plots,
         progress=functools.partial(progress, quiet=quiet),
         inputs=[find_scenario(scenario)],
+        twin=twin,
     )
     if not quiet:
         from uavftc.report.console import Terminal  # noqa: PLC0415

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from uavftc.analysis.metrics import Metrics
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import Outcome, fly
 from uavftc.flight.trusted import TrustedRange
+from uavftc.jobs.twin import document_of, fly_twin
 from uavftc.results.flight import FlightResult, metadata_of, notes_of, origin_of
 from uavftc.results.folder import ResultFolder
 from uavftc.results.history import ParquetRecorder, read_history
@@ -30,6 +34,7 @@ def fly_mission(
     figures: bool = True,
     progress: Progress | None = None,
     inputs: Sequence[Path] = (),
+    twin: bool = False,
 ) -> tuple[dict[str, Any], Outcome]:
     """Fly a scenario and write its result folder, whole or not at all.
 
@@ -48,6 +53,8 @@ def fly_mission(
         Shown while flying.
     inputs
         Files that the scenario came from; a folder that holds one of them is not replaced.
+    twin
+        Whether to fly the same without faults, too, and say what each of them did.
 
     Returns
     -------
@@ -61,6 +68,7 @@ def fly_mission(
     """
     folder = ResultFolder(out, inputs)
     folder.check()
+    other = fly_twin(scenario) if twin else None
     flight = build_flight(scenario)
     origin = origin_of(flight)
     metadata, metrics = metadata_of(flight.scenario, origin), Metrics(flight.given.axes)
@@ -83,21 +91,30 @@ def fly_mission(
             result = FlightResult(flight.scenario, outcome, axes, None, origin, remarks, flight.layout, met)
             (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
             document = result.summary()
+            if other is not None:
+                document["twin"] = document_of(flight.scenario, read_history(history), other)
             if figures:
-                _draw(folder, history, result, document, hold)
+                _draw(folder, history, result, document, hold, None if other is None else other.history)
             document = folder.write_summary(document)
         if hold.take():  # after the flight, or in the drawing
             outcome = outcome._replace(interrupted=True)
     return document, outcome
 
 
-def _draw(folder: ResultFolder, history: Path, result: FlightResult, document: dict[str, Any], hold: Hold) -> None:
+def _draw(
+    folder: ResultFolder,
+    history: Path,
+    result: FlightResult,
+    document: dict[str, Any],
+    hold: Hold,
+    twin: Mapping[str, np.ndarray] | None,
+) -> None:
     """Draw the figures; on Ctrl-C, or where there is no room for them, keep the flight without them and say so."""
     kept = "the flight is kept, without its figures"
 
     def draw_now(into: Path) -> None:
         with hold.first_acts():
-            draw(into, history, result)
+            draw(into, history, result, twin)
 
     try:
         missing = folder.figures(draw_now)
@@ -110,11 +127,11 @@ def _draw(folder: ResultFolder, history: Path, result: FlightResult, document: d
         document["warnings"].append(f"no room for the figures ({missing}): {kept}")
 
 
-def draw(folder: Path, history: Path, result: FlightResult) -> None:
-    """Draw the figures of a flight, whose history is in a file, into `folder`."""
+def draw(folder: Path, history: Path, result: FlightResult, twin: Mapping[str, np.ndarray] | None = None) -> None:
+    """Draw the figures of a flight, whose history is in a file, into `folder`; beneath it a twin, if any."""
     from uavftc.report.backend import load_matplotlib  # noqa: PLC0415 - matplotlib takes most of a second
 
     load_matplotlib()
     from uavftc.report.figures import write_figures  # noqa: PLC0415
 
-    write_figures(folder, read_history(history), result.figure_context())
+    write_figures(folder, read_history(history), replace(result.figure_context(), twin=twin))

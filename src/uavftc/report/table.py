@@ -13,7 +13,7 @@ from rich.text import Text
 from uavftc.analysis import metrics
 from uavftc.analysis.metrics import Metric
 from uavftc.core.signals import AXES
-from uavftc.report.verdict import requirement_table, verdict_line
+from uavftc.report.verdict import requirement_table, twin_table, verdict_line
 from uavftc.results.summary import title_of
 
 
@@ -56,6 +56,9 @@ def print_result(
         if verdict["requirements"]:
             console.print(requirement_table(verdict))
         console.print(verdict_line(verdict))
+    if (twin := summary.get("twin")) is not None:
+        console.print(twin_table(twin))
+        console.print(Text.assemble("the same without faults: ", verdict_line(twin["verdict"])))
     console.print(outcome_line(summary))
     for warning in summary.get("warnings", ()):
         (aside or console).print(Text.assemble(("warning: ", "yellow"), warning))

@@ -37,6 +37,24 @@ def broken(verdict: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
     return [one for one in verdict["requirements"] if not one["met"] and one["margin"] is not None]
 
 
+def twin_table(twin: Mapping[str, Any]) -> Table:
+    """Return what each fault and damage did by itself, from the `twin` of a `summary.json` document."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column(Text("peak deviation [deg],\nrecovered after [s]"))
+    for axis in ("roll", "pitch", "yaw"):
+        table.add_column(axis, justify="right")
+    for one in twin["isolated"]:
+        for event in ("onset", "removal"):
+            if (found := one[event]) is not None:
+                table.add_row(Text(f"{one['key']}, {event}"), *(Text(_recovery(found[axis])) for axis in found))
+    return table
+
+
+def _recovery(found: Mapping[str, float | None]) -> str:
+    after = found["recovered_after_s"]
+    return f"{found['peak_deg']:.2f}, {'never' if after is None else f'{after:.2f}'}"
+
+
 def requirement_table(verdict: Mapping[str, Any]) -> Table:
     """Return margin and moment of each requirement."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+import numpy as np
+
 from uavftc.core.axes import ALL, Controlled
 from uavftc.core.layout import OwnSignal
 
@@ -44,5 +46,7 @@ class FigureContext:
     """Whether roll, pitch and yaw are controlled; another axis has neither reference nor command."""
     wind: bool = False
     """Whether the scenario has wind; without it, the figure of the air shows the throttle in its place."""
+    twin: Mapping[str, np.ndarray] | None = None
+    """Published columns of the same flight without faults, shape (m,) each."""
     signals: Sequence[OwnSignal] = ()
     """A custom controller's own, each with a panel in custom.png."""
