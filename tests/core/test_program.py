@@ -70,7 +70,7 @@ def doubled(n=3):
 def test_a_row_with_too_few_effectors_is_refused_before_anything_is_written_past_its_end():
     rows = empty_rows(2, 3)
     block = allocation.MIXED[0].block(np.zeros(4, allocation.MIXED_PARAMS), name="four")
-    with pytest.raises(ValueError, match="four acts on more effectors than the 3 of a row"):
+    with pytest.raises(ValueError, match=f"four acts on more records than a row of {8 * rows.shape[1]} bytes has"):
         Program([block]).run(rows, 0, 2)
 
 

@@ -157,8 +157,8 @@ def test_the_history_has_jsbsims_own_position_of_every_surface(tmp_path, substep
     folder = with_servo(tmp_path / "servo")
     over = [*SERVO, f"simulation.substeps={substeps}"]
     flight = build_flight(load_scenario("scenario1", aircraft=str(folder), overrides=over))
-    rows = empty_rows(301, 4)
-    records = as_records(rows)
+    rows = empty_rows(301, flight.shape)
+    records = as_records(rows, flight.shape)
     flight.inputs.fill(records, 0)
     names = ["fcs/left-aileron-pos-rad", "fcs/right-aileron-pos-rad", "fcs/elevator-pos-rad", "fcs/rudder-pos-rad"]
     seen, ends = [], [0, 1, 2, 50, 51, 301]
@@ -171,8 +171,8 @@ def test_the_history_has_jsbsims_own_position_of_every_surface(tmp_path, substep
     np.testing.assert_allclose(history["rudder_rad"], np.array(seen)[:, 3], rtol=0, atol=1e-12)
     assert np.max(np.abs(history["rudder_rad"] - history["rudder_cmd_rad"])) > 1e-3  # it lags
     again = build_flight(load_scenario("scenario1", aircraft=str(folder), overrides=over))
-    pieces = empty_rows(301, 4)
-    again.inputs.fill(as_records(pieces), 0)
+    pieces = empty_rows(301, flight.shape)
+    again.inputs.fill(as_records(pieces, flight.shape), 0)
     for first, last in pairwise(ends):
         again.plant.run(again.program, pieces, first, last)
     np.testing.assert_array_equal(pieces, rows)
@@ -196,7 +196,7 @@ def test_columns_are_the_common_ones_and_those_of_the_effectors(vee):
     names = [c.name for c in flight.columns]
     assert names[: len(common)] == common
     own = [f"{n}{kind}_rad" for n in flight.layout.names for kind in ("_cmd", "")]
-    assert names[len(common) :] == own
+    assert names[len(common) : len(common) + len(own)] == own
     trim = flight.model.effectors[2].trim_rad
     (command,) = (c for c in flight.columns if c.name == "left_tail_cmd_rad")
     np.testing.assert_allclose(column(records, command), trim + records["v2"][:, 1] + records["v2"][:, 2], atol=1e-15)

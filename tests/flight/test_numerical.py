@@ -91,8 +91,8 @@ def test_the_commands_of_a_flight_replayed_are_the_flight():
         "disturbances=[{kind: wind, north_mps: 3}, {kind: angular-acceleration, p_degps2: 'sin(t)'}]",
         aircraft="jsbsim:c172p",
     )
-    plant = make_plant(flight.scenario, flight.aircraft, flight.model, Timing(5e-3, 1), flight.inputs)
-    again = as_records(given := empty_rows(len(rows)))
+    plant = make_plant(flight.scenario, flight.aircraft, flight.model, Timing(5e-3, 1), flight.inputs, flight.layout)
+    again = as_records(given := empty_rows(len(rows), flight.shape), flight.shape)
     for name in ("t", "d2", "wind_n"):
         again[name] = rows[name]
     again["effectors"]["deflection"] = rows["effectors"]["deflection"]

@@ -165,7 +165,7 @@ def test_an_engine_starts_again_if_the_air_still_turns_it(lasts_s, runs):
 
 def test_a_flight_flown_again_at_finer_steps_has_the_same_fault():
     flight = build_flight(scenario({"kind": "loss", "engine": 1, "start_s": 0.1}))
-    plant = make_plant(flight.scenario, flight.aircraft, flight.model, Timing(0.005, 4), flight.inputs)
+    plant = make_plant(flight.scenario, flight.aircraft, flight.model, Timing(0.005, 4), flight.inputs, flight.layout)
     rows = empty_rows(60, flight.shape)
     assert plant.run(bare(plant), rows, 0, 60) == 60
     throttle = [plant.fdm[f"fcs/throttle-pos-norm[{j}]"] for j in (0, 1)]

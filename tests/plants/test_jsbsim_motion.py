@@ -152,7 +152,6 @@ def frames_flown(hale, commands, *, delay_s, substeps, h=0.01):
     timing = Timing(h, substeps)
     plant = jsbsim_plant(hale, timing)
     plant.fdm = recorder = _Recorder(plant.fdm)
-    plant._exchange = lambda: (plant._write(), recorder.run(), plant._read())
     given = given_of(timing, len(commands), layout=HALE)
     allocate, gather = allocation.blocks(given)
     actuators = delay.blocks(delay.Config(delay_s=delay_s), given)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from uavftc.core.signals import COLUMNS, SURFACES, Column, Shape
+from uavftc.core.signals import AXES, COLUMNS, MORE_COLUMNS, SURFACES, Column, Shape
 
 Gangs = Mapping[str, Mapping[str, float]]
 """The effectors of each axis, by the name of its surface, and the weight of each."""
@@ -52,6 +52,8 @@ class Layout(NamedTuple):
     """Effectors to which the scenario gives a servo that takes time; where it is, is published."""
     signals: tuple[OwnSignal, ...] = ()
     """Of a custom controller, in their order in a row."""
+    moments: np.ndarray | None = None
+    """J B_m of the linear model: moment about body x, y, z, N m, per rad of aileron, elevator, rudder, shape (3, 3)."""
 
     @property
     def targets(self) -> Targets:
@@ -70,11 +72,11 @@ class Layout(NamedTuple):
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """Columns of the history of this aircraft: the common ones, those of its effectors, a controller's own.
+        """Columns of the history: common ones and those of the effectors, more of the vehicle, a controller's own.
 
         Of an effector that has the name of an axis' surface, the position is published where it reports one; of any
         other its command and its position, trim included, counted as the aircraft counts them. A servo is counted as
-        `<effector>_rad` is.
+        `<effector>_rad` is. The moments are those of the linear model about the trim, asked by v2 and given by u2.
         """
         own = []
         for j, name in enumerate(self.names):
@@ -88,7 +90,19 @@ class Layout(NamedTuple):
                 about = (1.0, 0.0) if name in SURFACES else (sign, float(self.trim_rad[j]))
                 own.append(Column(f"{name}_servo_rad", "servo", None, j, *about))
         names = [name for signal in self.signals for name in signal.columns]
-        return (*COLUMNS, *own, *(Column(name, "signals", i) for i, name in enumerate(names)))
+        signals = [Column(name, "signals", i) for i, name in enumerate(names)]
+        return (*COLUMNS, *own, *MORE_COLUMNS, *self._moments(), *self._engines(), *signals)
+
+    def _moments(self) -> Iterator[Column]:
+        if self.moments is not None:
+            for kind, field in (("asked", "v2"), ("given", "u2")):
+                for axis, (a, e, r) in zip(AXES, self.moments.tolist(), strict=True):
+                    yield Column(f"{axis}_moment_{kind}_nm", field, None, weights=(a, e, r))
+
+    def _engines(self) -> Iterator[Column]:
+        for j, name in enumerate(self.engines):
+            yield Column(f"{name}_throttle", "throttle", None, engine=j)
+            yield Column(f"{name}_thrust_n", "thrust", None, engine=j)
 
 
 def targets_of(names: Sequence[str], gangs: Gangs) -> Targets:

@@ -4,7 +4,7 @@
     on each plant step of the row    actuators, plant
 
 The blocks of a plant step run on the row itself at its first plant step, so the row keeps what holds from t_k on; at
-the others they run on a copy. A block on effectors runs once for each of them.
+the others they run on a copy. A block on effectors, or on engines, runs once for each of them.
 
 Between compiled blocks a `PythonBlock` may stand, a step in plain Python; what lies between two of them stays one
 compiled call.
@@ -25,7 +25,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from uavftc.core.compile_cache import compile_cache
-from uavftc.core.signals import EFFECTOR, ROW, ROW_WIDTH
+from uavftc.core.signals import ROW, ROW_WIDTH
 from uavftc.core.stage import COMPILED, RAW, Block, PythonBlock, StepFailed
 
 STEP_FAILED = -1.0
@@ -40,7 +40,6 @@ STATUS_SET = -3.0
 RAISED = -10.0
 """Status of a row at which a compiled law raised: this less the place of its block in the program."""
 
-ROW_BYTES, EFFECTOR_BYTES = ROW.itemsize, EFFECTOR.itemsize
 _STATUS = ROW.fields["status"][1] // 8  # type: ignore[index]
 
 Run = Callable[[int, int], int]
@@ -202,10 +201,9 @@ class _Table:
 
     def on(self, rows: np.ndarray, *, repeated: int = 0, substeps: int = 1) -> Run:
         """Return the blocks bound to rows; the last `repeated` of them run `substeps` times on each row."""
-        room = (rows.shape[1] - ROW_WIDTH) * 8 // EFFECTOR_BYTES
         for _, block in self._blocks:
-            if block.stage.on_effector and max(len(block.params), len(block.state)) > room:
-                raise ValueError(f"{block.name} acts on more effectors than the {room} of a row")
+            if block.end > (width := rows.shape[1] * 8):
+                raise ValueError(f"{block.name} acts on more records than a row of {width} bytes has")
         copy = np.zeros((1, rows.shape[1]))
         if not COMPILED:
             return functools.partial(self._in_python, repeated, substeps, copy, rows)
@@ -249,28 +247,31 @@ class _Table:
         return 0.0
 
 
-_ADDRESS, _PARAMS, _PARAMS_STRIDE, _STATE, _STATE_STRIDE, _COUNT, _PLACE, _COLUMNS = range(8)
+_ADDRESS, _PARAMS, _PARAMS_STRIDE, _STATE, _STATE_STRIDE, _COUNT, _PLACE, _FIRST, _SIZE, _COLUMNS = range(10)
 
 
 def _entry(place: int, block: Block) -> tuple[int, ...]:
-    """Return what the kernel knows of a block: address, memory, how many effectors (0: it runs on the row), place."""
-    params, state = block.params, block.state
-    count = max(len(params), len(state)) if block.stage.on_effector else 0
+    """Return what the kernel knows of a block.
+
+    Its address, its memory, how many records it runs on (0: it runs on the row), its place, where those begin and their
+    size.
+    """
+    params, state, each = block.params, block.state, block.stage.each
     strides = [array.strides[0] if len(array) > 1 or array.ndim > 1 else 0 for array in (params, state)]
-    return block.stage.address, params.ctypes.data, strides[0], state.ctypes.data, strides[1], count, place
+    memory = params.ctypes.data, strides[0], state.ctypes.data, strides[1]
+    return block.stage.address, *memory, block.records, place, block.first, 0 if each is None else each.itemsize
 
 
 def run_in_python(block: Block, row: np.ndarray) -> None:
-    """Run the law of a block in plain Python, on the row or on each of its effectors."""
+    """Run the law of a block in plain Python, on the row or on each of its effectors or engines."""
     signals = _records(row[:ROW_WIDTH].view(ROW))[0]
-    step, params, state = block.stage.python, _records(block.params), _records(block.state)
-    if not block.stage.on_effector:
+    step, params, state, each = block.stage.python, _records(block.params), _records(block.state), block.stage.each
+    if each is None:
         step(params[0], block.state if block.stage.state == RAW else state[0], signals)
         return
-    n = max(len(params), len(state))
-    effectors = _records(row[ROW_WIDTH : ROW_WIDTH + n * EFFECTOR_BYTES // 8].view(EFFECTOR))
-    for i in range(n):
-        step(params[i if len(params) > 1 else 0], state[i if len(state) > 1 else 0], effectors[i], signals)
+    records = _records(row[block.first // 8 : block.end // 8].view(each))
+    for i in range(block.records):
+        step(params[i if len(params) > 1 else 0], state[i if len(state) > 1 else 0], records[i], signals)
 
 
 def _records(array: np.ndarray) -> np.ndarray:
@@ -309,7 +310,6 @@ def _at(_context, address, like):
 @numba.njit
 def _blocks(table, first, last, row):
     """Run blocks on the row at an address; return 0, or RAISED less the place of one that raised."""
-    head = row + ROW_BYTES
     for i in range(first, last):
         function, p, s = table[i, _ADDRESS], table[i, _PARAMS], table[i, _STATE]
         count = table[i, _COUNT]
@@ -317,7 +317,7 @@ def _blocks(table, first, last, row):
         if count == 0:
             raised = _call(function, p, s, row, 0)
         for j in range(count):
-            e = head + j * EFFECTOR_BYTES
+            e = row + table[i, _FIRST] + j * table[i, _SIZE]
             raised |= _call(function, p + j * table[i, _PARAMS_STRIDE], s + j * table[i, _STATE_STRIDE], e, row)
         if raised != 0:
             return RAISED - table[i, _PLACE]

@@ -39,10 +39,10 @@ ROW = np.dtype(
         ("throttle", "f8"),  # 0..1
         ("contact", "f8"),  # force of the ground on the vehicle, body z, N
         ("height", "f8"),  # m above the ground
-        ("north", "f8"),  # m from the start
-        ("east", "f8"),  # m from the start
+        ("north", "f8"),  # m from the start, in the plane that touches the Earth there
+        ("east", "f8"),  # m, likewise
         ("qbar", "f8"),  # dynamic pressure, Pa
-        ("load_factor", "f8", _VEC),  # specific force over standard gravity, body axes; z is -1 in level flight
+        ("load_factor", "f8", _VEC),  # specific force at the CG over 9.80665 m/s^2; z is -1 in level flight
         # the vehicle as the controller sees it
         ("x1_meas", "f8", _VEC),  # rad
         ("x2_meas", "f8", _VEC),  # rad/s
@@ -73,10 +73,10 @@ EFFECTOR = np.dtype(
 ENGINE = np.dtype(
     [
         ("throttle", "f8"),  # 0..1, as it stands
-        ("thrust", "f8"),  # N
+        ("thrust", "f8"),  # N, along its axis
     ]
 )
-"""One engine at one sample."""
+"""One engine at one sample; behind the effectors a row has as many of these as the aircraft has engines."""
 
 
 class Shape(NamedTuple):
@@ -90,7 +90,12 @@ class Shape(NamedTuple):
     @property
     def width(self) -> int:
         """Numbers in a row."""
-        return (ROW.itemsize + self.effectors * EFFECTOR.itemsize + self.engines * ENGINE.itemsize) // 8 + self.signals
+        return (self.engines_at + self.engines * ENGINE.itemsize) // 8 + self.signals
+
+    @property
+    def engines_at(self) -> int:
+        """Byte of a row at which the engines begin."""
+        return ROW.itemsize + self.effectors * EFFECTOR.itemsize
 
 
 def row_type(shape: Shape = Shape()) -> np.dtype:  # noqa: B008 - immutable
@@ -111,7 +116,8 @@ def _described(dtype: np.dtype, name: str) -> tuple[np.dtype, tuple[int, ...]]:
 class Column(NamedTuple):
     """One published column of the history: its name with unit, and the row field and component it is taken from.
 
-    With an effector, the field is that of its record, and the column is sign * (offset + field).
+    With an effector, the field is that of its record, and the column is sign * (offset + field). With an engine, it is
+    that of the engine's. With weights, the column is the weighted sum of the components of a vector.
     """
 
     name: str
@@ -120,6 +126,8 @@ class Column(NamedTuple):
     effector: int | None = None
     sign: float = 1.0
     offset: float = 0.0
+    engine: int | None = None
+    weights: tuple[float, float, float] | None = None
 
 
 def _vector(field: str, names: tuple[str, ...]) -> list[Column]:
@@ -151,6 +159,15 @@ COLUMNS: tuple[Column, ...] = (
     Column("throttle", "throttle", None),
 )
 """Columns of every `history.parquet`, in order; those of the effectors of an aircraft follow (`layout.py`)."""
+
+MORE_COLUMNS: tuple[Column, ...] = (
+    Column("north_m", "north", None),
+    Column("east_m", "east", None),
+    Column("load_factor", "load_factor", 2, sign=-1.0),  # as pilots count it: 1 in level flight
+    *_vector("load_factor", ("load_factor_x", "load_factor_y", "load_factor_z")),
+    Column("dynamic_pressure_pa", "qbar", None),
+)
+"""Columns of every flight behind those of its effectors."""
 
 
 def empty_rows(n: int, shape: Shape | int = Shape()) -> np.ndarray:  # noqa: B008 - immutable
@@ -201,8 +218,13 @@ def column(records: np.ndarray, wanted: str | Column) -> np.ndarray:
         return heading_near_reference(records, spec.field)
     if spec.effector is not None:
         return np.asarray(spec.sign * (spec.offset + records["effectors"][spec.field][:, spec.effector]))
+    if spec.engine is not None:
+        return np.asarray(records["engines"][spec.field][:, spec.engine])
     values = records[spec.field]
-    return values if spec.component is None else values[:, spec.component]
+    if spec.weights is not None:
+        return np.asarray(sum(weight * values[:, i] for i, weight in enumerate(spec.weights)))
+    values = values if spec.component is None else values[:, spec.component]
+    return values if spec.sign == 1.0 else spec.sign * values
 
 
-_BY_NAME = {c.name: c for c in COLUMNS}
+_BY_NAME = {c.name: c for c in (*COLUMNS, *MORE_COLUMNS)}

@@ -1,10 +1,10 @@
 """Stages: laws over records, made callable by address.
 
 A law is a module with three things: a dtype `PARAMS`, a dtype `STATE` and a function `step`. On a signal row it is
-`step(p, s, row)`; on one effector `step(p, s, e, row)`, with `e` a record of `signals.EFFECTOR`. It reads its
-parameters by name and updates its state, the row and the effector in place. `Stage(step, PARAMS, STATE)` compiles it
-and hands out its address, so that any list of laws composes into one compiled call a sample without compiling the
-combination (`program.py`).
+`step(p, s, row)`; on one effector `step(p, s, e, row)`, with `e` a record of `signals.EFFECTOR`, or on one engine, of
+`signals.ENGINE`. It reads its parameters by name and updates its state, the row and `e` in place.
+`Stage(step, PARAMS, STATE)` compiles it and hands out its address, so that any list of laws composes into one compiled
+call a sample without compiling the combination (`program.py`).
 
 A record reaches the law as a pointer, so nothing is copied or boxed between the laws. The law itself is what is
 compiled and cached: numba passes a record by its address, and a law that raises returns a status other than 0
@@ -48,12 +48,14 @@ class Stage:
     Parameters
     ----------
     step
-        `step(p, s, row)`, or `step(p, s, e, row)` of a law on one effector.
+        `step(p, s, row)`, or `step(p, s, e, row)` of a law on one record behind the head of the row.
     params, state
         The law's record types; state `RAW` for memory that the law lays out itself.
     reads, writes
         Fields of the row, and of the effector, that it reads and writes; None for a law that does not say. A flight
         is not built if a law reads what nothing before it has written.
+    on
+        What `e` is: `signals.EFFECTOR` or `signals.ENGINE`.
 
     Compilation happens when the address is first asked for, and is cached on disk.
     """
@@ -66,6 +68,7 @@ class Stage:
         *,
         reads: Sequence[str] | None = None,
         writes: Sequence[str] | None = None,
+        on: np.dtype = EFFECTOR,
     ) -> None:
         self.step = step
         self.python: Callable[..., None] = getattr(step, "py_func", step)
@@ -74,7 +77,9 @@ class Stage:
         self.state = state
         self.reads = None if reads is None else frozenset(reads)
         self.writes = None if writes is None else frozenset(writes)
-        self.on_effector = len(inspect.signature(self.python).parameters) == 4
+        self.each = on if len(inspect.signature(self.python).parameters) == 4 else None
+        """Type of the records behind the head of a row that it runs on, one by one; None for a law on the row."""
+        self.on_effector = self.each == EFFECTOR
         """Whether it is a law on one effector."""
         self.name = self.python.__module__.rpartition(".")[2]
         self.__doc__ = self.python.__doc__
@@ -85,7 +90,7 @@ class Stage:
 
         It returns 0, or another number if the law raised.
         """
-        signals = (EFFECTOR, ROW) if self.on_effector else (ROW,)
+        signals = (ROW,) if self.each is None else (self.each, ROW)
         signature = types.void(*(_argument(dtype) for dtype in (self.params, self.state, *signals)))
         with compile_cache(outside(self.python)):
             compiled = numba.njit(signature, cache=True, error_model="numpy")(self.python)
@@ -93,10 +98,18 @@ class Stage:
         (result,) = compiled.overloads.values()
         return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
 
-    def block(self, params: np.ndarray | None = None, state: np.ndarray | None = None, *, name: str = "") -> Block:
+    def block(
+        self,
+        params: np.ndarray | None = None,
+        state: np.ndarray | None = None,
+        *,
+        name: str = "",
+        first: int = ROW.itemsize,
+    ) -> Block:
         """Return this stage with its memory, named `name` or as the law's module; zeros where none is given.
 
-        On effectors, `params` and `state` hold one entry for each effector, along the first axis.
+        On effectors, `params` and `state` hold one entry for each effector, along the first axis; on engines likewise,
+        with `first`, the byte of a row at which the engines begin.
         """
         given = params if params is not None else state
         n = 1 if given is None else len(given)
@@ -105,6 +118,7 @@ class Stage:
             self,
             np.zeros(n, self.params) if params is None else params,
             np.zeros(n, self.state) if state is None else state,
+            first,
         )
 
 
@@ -116,6 +130,18 @@ class Block(NamedTuple):
     stage: Stage
     params: np.ndarray
     state: np.ndarray
+    first: int = ROW.itemsize
+    """Byte of a row at which the records begin that it runs on, one by one."""
+
+    @property
+    def records(self) -> int:
+        """Records that it runs on, one by one; 0 where it runs on the row."""
+        return 0 if self.stage.each is None else max(len(self.params), len(self.state))
+
+    @property
+    def end(self) -> int:
+        """Bytes that a row must have for it."""
+        return self.first + (0 if self.stage.each is None else self.records * self.stage.each.itemsize)
 
 
 class PythonBlock(NamedTuple):

@@ -38,6 +38,7 @@ from uavftc.flight.inputs import Inputs
 from uavftc.flight.layouts import claimed_stops, layout_of
 from uavftc.flight.named import refuse, refuse_impossible, refuse_unknown
 from uavftc.flight.requirements import asked, default_set, signals_of
+from uavftc.flight.rotational import rotational_model
 from uavftc.flight.servos import acting, own_servos, published
 from uavftc.flight.timing import timing_of
 from uavftc.plants.interface import Plant, Timing
@@ -119,7 +120,7 @@ def build_flight(scenario: Scenario) -> Flight:
     inputs = Inputs(scenario, trim_attitude(model), layout)
     if model is not None and finer:
         refuse(scenario, impossible(scenario, aircraft, model))
-    plant = make_plant(scenario, aircraft, model, timing, inputs)
+    plant = make_plant(scenario, aircraft, model, timing, inputs, layout)
     given = given_of(scenario, aircraft, model, plant, timing, axes, layout)
     refuse_impossible(scenario, given)
     watch = params_of(
@@ -222,7 +223,12 @@ def trim_attitude(model: TrimmedModel | None) -> np.ndarray:
 
 
 def make_plant(
-    scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None, timing: Timing, inputs: Inputs
+    scenario: Scenario,
+    aircraft: Aircraft,
+    model: TrimmedModel | None,
+    timing: Timing,
+    inputs: Inputs,
+    layout: Layout,
 ) -> Plant:
     """Return the plant at its trim."""
     damage = struck_by(scenario.damage, scenario.controller.rate_hz)
@@ -235,7 +241,16 @@ def make_plant(
     wind, moment = inputs.acts_on("wind_n"), inputs.acts_on("d2")
     told = [damaged.told(aircraft, damage, np.array(model.inertia_kgm2)), *told_of_engines(scenario, model)]
     at_start = inputs.wind_at_start(model.trim["altitude"])  # the ground is at sea level
-    return JSBSimPlant(aircraft, model, timing, wind_n=at_start, has_wind=wind, has_moment=moment, told=told)
+    return JSBSimPlant(
+        aircraft,
+        model,
+        timing,
+        wind_n=at_start,
+        has_wind=wind,
+        has_moment=moment,
+        told=told,
+        engines=len(layout.engines),
+    )
 
 
 def make_analytic(
@@ -256,18 +271,6 @@ def make_analytic(
         u_limits=np.array([e.limits_rad for e in model.effectors]),
         damage=damage,
     )
-
-
-def rotational_model(aircraft: Aircraft, model: TrimmedModel | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return J, kg m^2, A_l, 1/s, and B_m, 1/s^2, of the analytic plant, shape (3, 3) each."""
-    if model is None:
-        assert aircraft.analytic is not None  # or there would be a trimmed model
-        assert aircraft.mass_properties is not None
-        inertia = np.array(aircraft.mass_properties.inertia_kgm2)
-        return inertia, np.array(aircraft.analytic.A_l), np.array(aircraft.analytic.B_m)
-    inertia = np.array(model.inertia_kgm2)
-    inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0  # eq. (2) has no product of inertia other than J_xz
-    return inertia, np.array(model.A_at_once), model.B_rates
 
 
 def control_design(

@@ -10,14 +10,16 @@ from uavftc.aircraft.definition import Aircraft
 from uavftc.aircraft.effectors import mixing_of
 from uavftc.core.layout import Layout
 from uavftc.core.signals import SURFACES
+from uavftc.flight.rotational import moments_per_rad
 from uavftc.plants.jsbsim.model import TrimmedModel
 from uavftc.scenario.schema import Scenario
 
 
 def layout_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None) -> Layout:
     """Return the effectors, as measured at the trim or, where there is no trimmed model, as the companion file has."""
+    moments = moments_per_rad(scenario, aircraft, model)
     if model is None:
-        return claimed_layout(aircraft)
+        return claimed_layout(aircraft)._replace(moments=moments)
     effectors = model.effectors
     flown = scenario.plant == "jsbsim"
     sign = [math.copysign(1.0, e.position_rad) if flown and e.position is not None else 0.0 for e in effectors]
@@ -30,6 +32,7 @@ def layout_of(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None
         read=np.array([flown and not e.ideal and e.position is not None for e in effectors]),
         sense=np.array([math.copysign(1.0, e.position_rad) if e.position is not None else 1.0 for e in effectors]),
         engines=tuple(model.engine_order) if flown and model.engines else (),
+        moments=moments,
     )
 
 

@@ -102,7 +102,7 @@ def replay(flight: Flight, tape: Tape, rows: int, finer: int, stop: Callable[[],
     finer: how many times as many plant steps are taken as in the flight.
     """
     timing = Timing(flight.given.h, finer * round(flight.given.h / flight.given.plant_step))
-    plant: Any = make_plant(flight.scenario, flight.aircraft, flight.model, timing, flight.inputs)
+    plant: Any = make_plant(flight.scenario, flight.aircraft, flight.model, timing, flight.inputs, flight.layout)
     watch = envelope.stage.block(nearer(flight))
     program = Program([*plant.before(), watch, *plant.given()], plant.after(), substeps=plant.program_substeps)
     recorded = {name: tape[name][:rows] for name in ("t", "d2", "wind_n", "deflection")}

@@ -10,7 +10,7 @@ from uavftc.jobs.bench.flights import jsbsim_plant, scenario
 from uavftc.jobs.bench.loop import AIRCRAFT, closed_loop
 from uavftc.jobs.bench.measure import Figure, Job, NotMeasuredError, alternately, computed, of, ratios
 from uavftc.plants.jsbsim.copy import moment_name
-from uavftc.plants.jsbsim.plant import CONTACT, STATE_PROPERTIES
+from uavftc.plants.jsbsim.reading import CONTACT, MORE_PROPERTIES, STATE_PROPERTIES, thrust_of
 
 GYM_STEPS = 400  # of jsbgym's task, 12 frames each: about as many frames as scenario 3 has
 
@@ -48,7 +48,7 @@ def _property_loop(rounds: int) -> Figure:
         nonlocal reads, writes
         flight = build_flight(flown)
         aircraft, fdm = flight.aircraft, jsbsim_plant(flight).fdm
-        read = [*STATE_PROPERTIES, CONTACT, "fcs/throttle-pos-norm[0]"]
+        read = [*STATE_PROPERTIES, CONTACT, "fcs/throttle-pos-norm[0]", *MORE_PROPERTIES, thrust_of(0)]
         moment = f"external_reactions/{moment_name(aircraft)}"
         assert flight.model is not None
         commands = [e.command for e in flight.model.effectors] + [f"{moment}/{axis}" for axis in "lmn"]

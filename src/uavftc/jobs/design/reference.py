@@ -21,8 +21,9 @@ from uavftc.control.inner import l1
 from uavftc.control.inner.predictor import PredictorConfig
 from uavftc.core.axes import indices, reduced
 from uavftc.errors import InputError
-from uavftc.flight.build import Flight, build_flight, rotational_model
+from uavftc.flight.build import Flight, build_flight
 from uavftc.flight.fly import fly_to_memory
+from uavftc.flight.rotational import rotational_model
 from uavftc.scenario.controllers import Controller
 from uavftc.scenario.schema import Scenario
 

@@ -1,6 +1,7 @@
 """The bridge between the signal row and JSBSim, in compiled laws; only plain doubles cross it.
 
-`observe` turns what JSBSim reports (feet, heading in [0, 2 pi)) into the row's SI and continuous heading.
+`observe` turns what JSBSim reports (feet, heading in [0, 2 pi)) into the row's SI and continuous heading; `power`
+does so for each engine.
 `locate` turns the position that JSBSim reports of an effector into rad.
 `push` turns the row's disturbance and wind into what JSBSim is given.
 `hold_airspeed` holds the airspeed of an aircraft without an autothrottle.
@@ -16,9 +17,13 @@ from math import pi
 import numpy as np
 
 from uavftc.core.linear3 import multiply
-from uavftc.core.stage import NOTHING, Stage, law
+from uavftc.core.signals import ENGINE
+from uavftc.core.stage import Stage, law
 from uavftc.plants.analytic import VEHICLE
 from uavftc.plants.jsbsim.units import FT_M, LBF_N, SLUGFT2_KGM2
+
+STANDARD_GRAVITY = 9.80665 / FT_M  # ft/s^2
+PSF_PA = LBF_N / FT_M**2
 
 RAW_STATE = (
     ("x1", 3),  # rad, heading in [0, 2 pi)
@@ -29,10 +34,17 @@ RAW_STATE = (
     ("beta", 1),  # rad
     ("throttle", 1),
     ("contact", 1),  # lb
+    ("forces", 3),  # all but gravity, body axes, lb
+    ("qbar", 1),  # lb/ft^2
+    ("place", 2),  # Earth-fixed: east and north of the place at which the equator crosses the first meridian, ft
 )
-OBSERVE_STATE = np.dtype(  # heading of the previous sample, rad, and what was read
-    [("psi", "f8"), *((name, "f8", (n,)) if n > 1 else (name, "f8") for name, n in RAW_STATE)]
+OBSERVE_PARAMS = np.dtype([("place", "f8", (2,))])  # at the start, ft
+OBSERVE_STATE = np.dtype(  # heading of the previous sample, rad; mass, slug; and what was read
+    [("psi", "f8"), ("mass", "f8"), *((name, "f8", (n,)) if n > 1 else (name, "f8") for name, n in RAW_STATE)]
 )
+
+POWER_PARAMS = np.dtype([("row", "f8")])  # 1 where its throttle is that of the row
+POWER_STATE = np.dtype([("throttle", "f8"), ("thrust", "f8")])  # as read: 0..1, lb
 
 POSITION_PARAMS = np.dtype([("read", "f8"), ("rad", "f8")])  # 1 where it is read; rad per unit of the property
 POSITION_STATE = np.dtype([("position", "f8")])  # as it was read
@@ -81,6 +93,18 @@ def observe(p, s, row):
     row.beta = s.beta
     row.throttle = s.throttle
     row.contact = s.contact * LBF_N
+    row.east = (s.place[0] - p.place[0]) * FT_M
+    row.north = (s.place[1] - p.place[1]) * FT_M
+    row.qbar = s.qbar * PSF_PA
+    for i in range(3):
+        row.load_factor[i] = s.forces[i] / (s.mass * STANDARD_GRAVITY)
+
+
+@law
+def power(p, s, e, row):
+    """Write throttle and thrust of an engine."""
+    e.throttle = row.throttle if p.row != 0.0 else s.throttle
+    e.thrust = s.thrust * LBF_N
 
 
 @law
@@ -116,8 +140,12 @@ def command(p, s, e, row):
     s.command = p.least if value < p.least else (p.greatest if value > p.greatest else value)
 
 
-LATER = ("wind_n", "gust_rates", "north", "east", "qbar", "load_factor")
-observe_stage = Stage(observe, NOTHING, OBSERVE_STATE, reads=[], writes=[name for name in VEHICLE if name not in LATER])
+AIR = ("wind_n", "gust_rates")
+"""What the scenario gives in place of the plant."""
+observe_stage = Stage(
+    observe, OBSERVE_PARAMS, OBSERVE_STATE, reads=[], writes=[name for name in VEHICLE if name not in AIR]
+)
+power_stage = Stage(power, POWER_PARAMS, POWER_STATE, reads=["throttle"], writes=["throttle", "thrust"], on=ENGINE)
 locate_stage = Stage(locate, POSITION_PARAMS, POSITION_STATE, reads=[], writes=["position"])
 push_stage = Stage(push, PUSH_PARAMS, PUSH_STATE, reads=["d2", "wind_n"], writes=[])
 hold_stage = Stage(hold_airspeed, HOLD_PARAMS, HOLD_STATE, reads=["airspeed"], writes=[])

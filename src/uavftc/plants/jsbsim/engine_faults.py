@@ -24,6 +24,7 @@ from uavftc.actuators.engine import Change
 from uavftc.aircraft.definition import Aircraft
 from uavftc.plants.jsbsim import engines
 from uavftc.plants.jsbsim.copy import Addition
+from uavftc.plants.jsbsim.engines import throttle_position
 from uavftc.plants.jsbsim.events import Event, Schedule, Told, row_at
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel, read, written
@@ -46,11 +47,6 @@ class EngineChange(NamedTuple):
     change: Change
     start_s: float
     end_s: float | None
-
-
-def throttle_position(engine: int) -> str:
-    """Return the property of the throttle position that JSBSim gives to an engine."""
-    return f"fcs/throttle-pos-norm[{engine}]"
 
 
 def _gain(engine: int) -> str:

@@ -32,6 +32,11 @@ def count(fdm: jsbsim.FGFDMExec) -> int:
     return int(fdm.get_propulsion().get_num_engines())
 
 
+def throttle_position(engine: int) -> str:
+    """Return the property of the throttle position that JSBSim gives to an engine, from 0."""
+    return f"fcs/throttle-pos-norm[{engine}]"
+
+
 def start(fdm: jsbsim.FGFDMExec, way: str = "running") -> None:
     """Start the engines, fuel frozen (assumption 1 of the paper: constant mass) where they run on frozen fuel."""
     n = count(fdm)

@@ -93,9 +93,11 @@ class Schedule:
         """Row of the next event; infinite after the last."""
         return self._bound[self._next][0] if self._next < len(self._bound) else math.inf
 
-    def write(self, row: int) -> None:
-        """Write all events up to this row that were not written yet."""
+    def write(self, row: int) -> bool:
+        """Write all events up to this row that were not written yet; return whether there were any."""
+        first = self._next
         while self.row <= row:
             _, write, value = self._bound[self._next]
             write(value if isinstance(value, float) else value())
             self._next += 1
+        return self._next > first

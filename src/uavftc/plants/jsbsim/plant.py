@@ -12,7 +12,6 @@ read with the state. At t_k it is what the command of the row before has brought
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -27,18 +26,9 @@ from uavftc.plants.jsbsim.copy import moment_name
 from uavftc.plants.jsbsim.events import Schedule, Told, existing
 from uavftc.plants.jsbsim.load import initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
-from uavftc.plants.jsbsim.positions import Followed
+from uavftc.plants.jsbsim.reading import Reading
 from uavftc.plants.jsbsim.trim import WIND, Trim, start
-from uavftc.plants.jsbsim.writer import reader, stepper, writer
-
-STATE_PROPERTIES = (
-    "attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad",
-    "velocities/p-rad_sec", "velocities/q-rad_sec", "velocities/r-rad_sec",
-    "velocities/vt-fps", "position/h-sl-ft",
-    "aero/alpha-rad", "aero/beta-rad",
-)  # fmt: skip
-"""In the order of `bridge.RAW_STATE`; the throttle follows, as the aircraft names it, and the ground's force."""
-CONTACT = "forces/fbz-gear-lbs"
+from uavftc.plants.jsbsim.writer import Fly, Setter, looper, writer
 
 INTEGRATORS = {
     "simulation/integrator/rate/rotational": 4,
@@ -69,6 +59,8 @@ class JSBSimPlant:
         Whether the scenario moves the air, or disturbs the vehicle by d2: what is absent is never written.
     told
         What JSBSim is told once, at given rows, and what is put into the copy of the aircraft for it.
+    engines
+        Engines for which a row has room; their throttle and thrust are read.
 
     Raises
     ------
@@ -89,6 +81,7 @@ class JSBSimPlant:
         has_moment: bool,
         integrators: dict[str, int] | None = None,
         told: Sequence[Told] = (),
+        engines: int = 0,
     ) -> None:
         integrators = INTEGRATORS if integrators is None else integrators
         self.trim = trim = Trim(**model.trim)
@@ -148,35 +141,21 @@ class JSBSimPlant:
             name="airspeed hold",
         )
         self._push = bridge.push_stage.block(params_of(bridge.PUSH_PARAMS, J=model.inertia_kgm2), push, name="push")
-        # and so is everything read from it
-        self._in = np.zeros(bridge.OBSERVE_STATE.itemsize // 8 + n)
-        state, positions = self._in[:-n].view(bridge.OBSERVE_STATE), self._in[-n:].view(bridge.POSITION_STATE)
-        self._observe = bridge.observe_stage.block(state=state, name="observe")
-        self._followed = Followed(model)
-        rad = [e.position_rad for e in model.effectors]
-        self._locate = bridge.locate_stage.block(
-            records_of(bridge.POSITION_PARAMS, n, read=self._followed.read.astype(float), rad=rad), positions
-        )
+        self._reading = Reading(fdm, aircraft, model, throttles=bool(trim.throttles), engines=engines)
         self._frames = timing.substeps
         self._pushes = has_wind or has_moment
         self._bind(aircraft, model, has_wind=has_wind, has_moment=has_moment, holds=holds)
 
     def _bind(self, aircraft: Aircraft, model: TrimmedModel, *, has_wind: bool, has_moment: bool, holds: bool) -> None:
-        """Look every property up once; a bound accessor costs a tenth of a look-up."""
-        node = functools.partial(existing, self.fdm)
-        throttles = self.trim.throttles
-        position = "fcs/throttle-pos-norm[0]"
-        if aircraft.throttle is not None:
-            position = (aircraft.throttle.position or aircraft.throttle.command)[0]
-        throttle = node(position).get_double_value if throttles else lambda: math.nan
-        get = [node(name).get_double_value for name in STATE_PROPERTIES]
-        read = zip(self._followed.read, model.effectors, strict=True)
-        positions = [node(e.position or "").get_double_value if follows else None for follows, e in read]
-        getters = [*get, throttle, node(CONTACT).get_double_value, *positions]
-        self._read = reader(self._in[1:], getters)
-        surfaces = [[node(e.command).set_double_value] for e in model.effectors]
-        held = [[node(name).set_double_value for name in throttles] if holds else [], []]  # throttle, its integral
-        moment, wind = [], []
+        """Look what is written up once; a bound accessor costs a tenth of a look-up."""
+        node, throttles = functools.partial(existing, self.fdm), self.trim.throttles
+        surfaces: list[list[Setter]] = [[node(e.command).set_double_value] for e in model.effectors]
+        held: list[list[Setter]] = [
+            [node(name).set_double_value for name in throttles] if holds else [],
+            [],
+        ]  # throttle, its integral
+        moment: list[list[Setter]] = []
+        wind: list[list[Setter]] = []
         if has_moment:
             base = f"external_reactions/{moment_name(aircraft)}"
             self.fdm[f"{base}/magnitude-lbsft"] = 1.0
@@ -184,15 +163,13 @@ class JSBSimPlant:
         if has_wind:
             moment = moment or [[]] * 3
             wind = [[node(name).set_double_value] for name in WIND]
-        setters = [*surfaces, *held, *moment, *wind]
-        self._write = writer(self._out, setters)
-        self._exchange = stepper(self._out, setters, self.fdm.run, self._in[1:], getters)
+        self._setters: list[list[Setter]] = [*surfaces, *held, *moment, *wind]
+        self._write = writer(self._out, self._setters)
         self._write_surfaces = writer(self._out, surfaces)
 
     def before(self) -> list[Block]:
         """Return the blocks that convert what was read, and hold the airspeed."""
-        located = [self._locate] if self._followed.any else []
-        return [self._observe, *located, self._hold]
+        return [*self._reading.blocks(), self._hold]
 
     def given(self) -> list[Block]:
         """Return the block that prepares what is written once a sample: the moment and the wind."""
@@ -204,30 +181,31 @@ class JSBSimPlant:
 
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
-        self._read()
+        self._reading.read()
+        self._reading.weigh()
         done = first
         while done < last:  # once, where there is no event
-            self._events.write(self._row)
-            until = int(min(last, done + self._events.row - self._row))
+            struck = self._events.write(self._row)  # from the next frame on the mass may be another
+            until = done + 1 if struck else int(min(last, done + self._events.row - self._row))
             flown = self._fly(program, rows, done, until)
+            if struck:
+                self._reading.weigh()
             self._row += flown - done
             done = flown
             if flown < until:  # lost
                 break
-        if self._followed.any:
-            self._followed.take(rows, first, done, last, self._in[len(self._in) - len(self.u_limits) :])
+        self._reading.follow(rows, first, done, last)
         return done
+
+    @functools.cached_property
+    def _loop(self) -> Fly:
+        return looper(self._out, self._setters, self.fdm.run, self._reading.memory, self._reading.sources)
 
     def _fly(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         step = program.on(rows)
         if self._frames == 1:
-            exchange = self._exchange
-            for k in range(first, last):
-                if step(k, k + 1) == k:
-                    return k
-                exchange()
-            return last
-        frame, read, write, write_surfaces = self.fdm.run, self._read, self._write, self._write_surfaces
+            return self._loop(step, first, last)
+        frame, read, write, write_surfaces = self.fdm.run, self._reading.read, self._write, self._write_surfaces
         again, more = program.again(rows), range(1, self._frames)
         for k in range(first, last):
             if step(k, k + 1) == k:
