@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jsbsim
@@ -59,15 +59,23 @@ def replayed(history: Mapping[str, np.ndarray], trim: Mapping[str, Any]) -> tupl
 
     It is driven by the positions of the history alone.
     """
+    before, after = reported(history, trim, STATE, (*FORCES, *MOMENTS))
+    return before, after
+
+
+def reported(
+    history: Mapping[str, np.ndarray], trim: Mapping[str, Any], before: Sequence[str], after: Sequence[str] = ()
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what plain JSBSim reports of properties before and after each frame, a row each, driven likewise."""
     fdm = at_trim(trim["throttle"], trim["alpha"], trim["surfaces"][2])
     fdm["ap/at-on"] = 1
     for name, code in RATES.items():
         fdm[f"simulation/integrator/{name}"] = code
-    states, forces = [], []
+    seen = []
     for k in range(len(history["time_s"])):
-        states.append([fdm[name] for name in STATE])
+        first = [fdm[name] for name in before]
         for name, command in INPUTS.items():
             fdm[command] = history[name][k]
         fdm.run()
-        forces.append([fdm[name] for name in (*FORCES, *MOMENTS)])
-    return np.array(states), np.array(forces)
+        seen.append((first, [fdm[name] for name in after]))
+    return np.array([first for first, _ in seen]), np.array([last for _, last in seen])
