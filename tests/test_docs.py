@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from flying import flown
+
 ROOT = Path(__file__).parents[1]
 EQUATIONS = (ROOT / "docs" / "equations.md").read_text(encoding="utf-8")
 
@@ -40,3 +42,28 @@ def test_code_and_test_of_each_equation_exist(row: list[str]) -> None:
 def test_links_inside_the_project_lead_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\((?!https?://|#)([^)#]+)", page.read_text(encoding="utf-8")):
         assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+HISTORY = (ROOT / "docs" / "history.md").read_text(encoding="utf-8")
+
+
+def listed(table: str) -> list[str]:
+    """Return the columns that a table of history.md names, in its order."""
+    body = HISTORY.split(f"<!-- columns: {table} -->")[1].split("<!-- end -->")[0]
+    cells = [line.split("|")[1] for line in body.splitlines() if line.startswith("| `")]
+    return [name for cell in cells for name in re.findall(r"`([^`]+)`", cell)]
+
+
+@pytest.mark.parametrize("plant", ["jsbsim", "analytic"])
+def test_the_page_on_the_history_has_every_column_and_no_other(plant: str) -> None:
+    flight, *_ = flown("scenario1", plant, None, ("duration_s=1", "actuators={bandwidth_radps: 57}"))
+    names = [c.name for c in flight.columns]
+    common = listed("common")
+    assert [name for name in names if name in common] == common  # in their order
+    of = {name: "<effector>" for name in flight.layout.names} | {name: "<engine>" for name in flight.layout.engines}
+    own = {name.replace(each, word, 1) for name in names for each, word in of.items() if name.startswith(f"{each}_")}
+    assert own - set(common) <= set(listed("own"))
+    known = {name for name in names for each in of if name.startswith(f"{each}_")}
+    assert set(names) - set(common) <= known
+    if plant == "jsbsim":
+        assert own >= set(listed("own"))

@@ -1,7 +1,6 @@
 """Signals that a requirement may name: the columns of the history, and what is derived from them.
 
     {phi,theta,psi}_error_rad     reference less attitude, the heading's within half a turn
-    load_factor                   lift over weight as the load_factor_z column has it: 1 in level flight, up is positive
     NAME_travel_radps             of a deflection NAME_rad: how far it went in the window behind the sample, over the
                                   length of the window; of a command too (aileron_cmd_travel_radps)
     NAME_saturated_share          of an axis' surface: the share of the samples in the window at which its command was
@@ -127,8 +126,6 @@ def known_signals(columns: Sequence[Column], limits: Limits) -> dict[str, Known]
         found[spec.name] = _plain(partial(_column, spec))
     for i, name in enumerate(("phi", "theta", "psi")):
         found[f"{name}_error_rad"] = _plain(partial(_error, i))
-    if "load_factor_z" in found:
-        found["load_factor"] = _plain(lambda records: -records["load_factor"][:, 2])
     for spec in columns:
         if _is_deflection(spec):
             found[f"{spec.name.removesuffix('_rad')}_travel_radps"] = Known(_travel(spec), windowed=True)

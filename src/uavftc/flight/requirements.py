@@ -28,7 +28,7 @@ from uavftc.config.values import Problem
 from uavftc.core.axes import Controlled
 from uavftc.core.given import Given
 from uavftc.core.layout import Layout
-from uavftc.core.signals import COLUMNS, SURFACES, Column
+from uavftc.core.signals import SURFACES, Column
 from uavftc.flight.named import refuse
 from uavftc.plants.analytic import UNKNOWN
 from uavftc.plants.jsbsim.model import TrimmedModel
@@ -79,8 +79,7 @@ def _envelope(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None
         trim = math.degrees(model.trim["alpha"])
         alpha = own.alpha_deg or aircraft.trusted.alpha_deg or (trim - ALPHA_BAND_DEG, trim + ALPHA_BAND_DEG)
         found.append(_between("alpha", "alpha_deg", *alpha))
-        if any(c.name == "load_factor_z" for c in COLUMNS):
-            found.append(_between("load-factor", "load_factor", *(own.load_factor or LIMITS.load_factor or (-9, 9))))
+        found.append(_between("load-factor", "load_factor", *(own.load_factor or LIMITS.load_factor or (-9, 9))))
     return found
 
 
