@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from uavftc.core.signals import AXES
@@ -91,6 +91,23 @@ def finding_text(finding: Finding) -> str:
     )
 
 
+VERDICTS = (
+    "What the flights behind the tables are worth by the default requirements (docs/requirements.md): flown "
+    "to the end, error at most 1 deg in the last quarter and 5 deg after 5 s, surfaces calm, within the envelope.\n"
+)
+
+
+def verdict_table(verdicts: Sequence[Mapping[str, Any]]) -> str:
+    """Return the verdict on each flight, one line a scenario and controller, with the plants next to each other."""
+    plants = list(dict.fromkeys(v["plant"] for v in verdicts))
+    by_case = {(v["scenario"], v["controller"], v["plant"]): v for v in verdicts}
+    rows = []
+    for scenario, controller in dict.fromkeys((s, c) for s, c, _ in by_case):
+        cells = (by_case[scenario, controller, plant] for plant in plants)
+        rows.append([scenario, controller, *(f"{v['outcome']}, {v['margin']:.2f} ({v['limiting']})" for v in cells)])
+    return table(["scenario", "controller", *plants], rows)
+
+
 def score_table(scores: dict[str, dict[str, dict[str, float]]]) -> str:
     """Return the scores of each plant: with the literal units and with the fitted scale of the additive fault."""
     body = []
@@ -112,6 +129,7 @@ def page(
     scores: dict[str, dict[str, dict[str, float]]],
     figures: Sequence[str],
     captions: dict[int, str],
+    verdicts: Sequence[Mapping[str, Any]] = (),
 ) -> str:
     """Return the whole page.
 
@@ -129,6 +147,8 @@ def page(
         Paths of the figures' PNG files, relative to the page.
     captions
         Caption of each figure, by number.
+    verdicts
+        As `verdicts.verdicts_of` returns them.
     """
     plants = list(scores)
     parts = [
@@ -155,6 +175,8 @@ def page(
                 f"{claims_summary(mine)}.\n",
                 claims_table(claims[plant], number + 1),
             ]
+    if verdicts:
+        parts += ["## Verdicts\n", VERDICTS, verdict_table(verdicts)]
     parts.append("## Findings\n")
     parts += [finding_text(f) for f in found]
     if figures:

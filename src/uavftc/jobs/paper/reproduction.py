@@ -15,6 +15,7 @@ from uavftc.jobs.paper import plan
 from uavftc.jobs.paper.findings import Finding, best_scale, conditions, findings
 from uavftc.jobs.paper.plan import Flights, Key
 from uavftc.jobs.paper.tables import Claim, Row, claims_of, improvements_of, rows_of
+from uavftc.jobs.paper.verdicts import verdicts_of
 from uavftc.report.backend import load_matplotlib
 from uavftc.results.folder import ResultFolder
 from uavftc.results.summary import provenance
@@ -108,7 +109,9 @@ def reproduce(plants: Sequence[str], out: Path, *, figures: bool, advance: Advan
 def write(folder: ResultFolder, result: Reproduction, figures: Sequence[str], captions: dict[int, str]) -> None:
     """Write the documents into an open result folder."""
     improvements = [c.improvement._asdict() | {"answer": c.answer} for cs in result.claims.values() for c in cs]
-    text = pages.page(result.rows, dict(result.claims), result.findings, result.scores, figures, captions)
+    text = pages.page(
+        result.rows, dict(result.claims), result.findings, result.scores, figures, captions, verdicts_of(result.flights)
+    )
     (folder.path / "reproduce.json").write_text(_json_list(result.rows), encoding="utf-8", newline="\n")
     (folder.path / "tables.csv").write_text(_csv(result.rows), encoding="utf-8", newline="")
     (folder.path / "improvements.csv").write_text(_csv(improvements), encoding="utf-8", newline="")
@@ -128,6 +131,7 @@ def document_of(result: Reproduction) -> dict[str, Any]:
         "plants": list(result.plants),
         "flights": len(result.flights),
         "scores": result.scores,
+        "verdicts": verdicts_of(result.flights),
         "claims": [
             {**c.improvement._asdict(), "answer": c.answer, "under": c.conditions}
             for claims in result.claims.values()
