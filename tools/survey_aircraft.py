@@ -34,6 +34,7 @@ from uavftc.core.signals import AXES
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim.model import ALTITUDE_M, FRAME_S, SPEEDS_MPS
 from uavftc.report.progress import stages
+from uavftc.report.verdict import margin_text
 
 ROOT = Path(__file__).parents[1]
 SCENARIOS = ("scenario1", "scenario3")
@@ -120,6 +121,7 @@ def _measured(model: Any) -> Survey:
 
 def _flown(scenario: str, reference: str, overrides: list[str]) -> Survey:
     from uavftc.analysis.metrics import metrics_of
+    from uavftc.analysis.verdict import verdict_of
     from uavftc.flight.build import build_flight
     from uavftc.flight.fly import fly_to_memory
     from uavftc.scenario.load import load_scenario
@@ -128,6 +130,15 @@ def _flown(scenario: str, reference: str, overrides: list[str]) -> Survey:
     records, outcome = fly_to_memory(flight)
     if outcome.interrupted:
         raise KeyboardInterrupt
+    monitor = flight.monitor()
+    monitor.take(records)
+    judged = verdict_of(
+        monitor.found(),
+        completed=outcome.completed,
+        ended_at_s=outcome.ended_at_s,
+        duration_s=flight.scenario.duration_s,
+        numerical=outcome.numerical,
+    )
     assert flight.model is not None  # all but a rotational model are trimmed
     roll, pitch, yaw = flight.model.axes
     axes = metrics_of(records, completed=outcome.completed, controlled=(roll, pitch, yaw))
@@ -137,6 +148,9 @@ def _flown(scenario: str, reference: str, overrides: list[str]) -> Survey:
     return {
         "completed": outcome.completed,
         "ended_because": outcome.ended_because,
+        "outcome": judged.outcome,
+        "margin": judged.margin,
+        "limiting": judged.limiting,
         "iae": [axes[axis]["iae"] for axis in AXES],
         "error_deg": [axes[axis]["steady_state_error_deg"] for axis in AXES],
         "travel_rad": [axes[axis]["control_activity_rad"] for axis in AXES],
@@ -252,13 +266,15 @@ def stock_part(found: Sequence[Survey]) -> str:
         *_folded(
             "IAE [rad s] and steady-state error [deg] are given as roll / pitch / yaw, the largest airspeed change in "
             "m/s. `jsbsim` is JSBSim's own trim, `own` and `solved` the project's, `glide` that of an aircraft without "
-            "engines that run. What is outside the criterion is **bold**."
+            "engines that run. What is outside the criterion is **bold**. The margin is that of the default "
+            "requirements ([requirements.md](requirements.md)): below 0 one is broken, and named."
         ),
         "",
         "## Flown",
         "",
-        "| aircraft | trim | m/s | sc. 1: IAE | error | airspeed | sc. 3: IAE | error | airspeed | verdict |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "| aircraft | trim | m/s "
+        "| sc. 1: IAE | error | airspeed | margin | sc. 3: IAE | error | airspeed | margin | criterion |",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for one in flown:
         cells = [one["name"], one["measured"]["method"], f"{one['measured']['airspeed']:g}"]
@@ -281,11 +297,18 @@ def stock_part(found: Sequence[Survey]) -> str:
 
 def _flight_cells(flight: Survey, iae: float | None) -> list[str]:
     if "refused" in flight:
-        return ["-", "-", "-"]
+        return ["-", "-", "-", "-"]
     return [
         _three(flight["iae"], "{:.3f}", iae), _three(flight["error_deg"], "{:.3f}", MOST_ERROR_DEG),
         f"{flight['airspeed_change_mps']:.1f}" if flight["completed"] else "**lost**",
+        _margin(flight),
     ]  # fmt: skip
+
+
+def _margin(flight: Survey) -> str:
+    """Return the margin of the default requirements, with what is broken where it is below 0."""
+    text = margin_text(flight["margin"])
+    return text if flight["outcome"] == "survived" else f"**{text}** {flight['limiting']}"
 
 
 MEASURED = (
@@ -352,7 +375,7 @@ def models_part(found: Sequence[Survey]) -> str:
         "",
         "Error at the end [deg] and travel of the command over the 20 s [rad] are given as roll / pitch / yaw.",
         "",
-        "| model | trim | m/s | completed | error | travel | verdict |",
+        "| model | trim | m/s | margin | error | travel | criterion |",
         "|---|---|---|---|---|---|---|",
     ]
     for one in found:
@@ -362,7 +385,7 @@ def models_part(found: Sequence[Survey]) -> str:
             cells += ["not flown", "-", "-", _plain(one["reason"] or flight["refused"])]
         else:
             cells += [
-                "yes" if flight["completed"] else "**no**",
+                _margin(flight),
                 _three(flight["error_deg"], "{:.3f}", MOST_ERROR_DEG),
                 _three(flight["travel_rad"], "{:.2f}", None),
                 "; ".join(against(one, flight, iae=MOST_IAE)) or "met",
