@@ -24,6 +24,7 @@ QUICK = (
     "record_us",
     "analytic_step_us",
     "analytic_flight_ms",
+    "margin_over_flight",
     "flights_per_second",
     "peers",
 )

@@ -20,7 +20,7 @@ import ast
 import keyword
 import re
 from collections.abc import Callable, Collection, Mapping
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
@@ -172,9 +172,15 @@ class Formula:
         if not isinstance(value, str):
             raise PydanticCustomError("formula", "{problem}", {"problem": "this is not a formula"})
         try:
-            return cls(value)
+            return formula_of(value)
         except ValueError as error:
             raise PydanticCustomError("formula", "{problem}", {"problem": str(error)}) from None
+
+
+@lru_cache(maxsize=1000)
+def formula_of(text: str) -> Formula:
+    """Return `Formula(text)`, read once however many scenarios have it."""
+    return Formula(text)
 
 
 def _changes(node: ast.expr) -> bool:

@@ -23,7 +23,7 @@ from uavftc.aircraft.definition import Aircraft, FlightLimits
 from uavftc.analysis.derived import WINDOW_S, Known, Limits, Window, known_signals
 from uavftc.analysis.requirements import Requirement
 from uavftc.config.explain import describe
-from uavftc.config.formula import Formula
+from uavftc.config.formula import Formula, formula_of
 from uavftc.config.values import Problem
 from uavftc.core.axes import Controlled
 from uavftc.core.given import Given
@@ -68,13 +68,13 @@ def default_set(
 
 
 def _all(names: Sequence[str], value: str, limit: float) -> Formula:
-    return Formula(" and ".join(f"{value.format(name)} <= {limit:g}" for name in names))
+    return formula_of(" and ".join(f"{value.format(name)} <= {limit:g}" for name in names))
 
 
 def _envelope(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None) -> list[written.Requirement]:
     own = aircraft.limits
     bank = own.bank_deg or LIMITS.bank_deg
-    found = [written.Requirement(name="bank", always=Formula(f"abs(phi_deg) <= {bank:g}"))]
+    found = [written.Requirement(name="bank", always=formula_of(f"abs(phi_deg) <= {bank:g}"))]
     if scenario.plant == "jsbsim" and model is not None:
         trim = math.degrees(model.trim["alpha"])
         alpha = own.alpha_deg or aircraft.trusted.alpha_deg or (trim - ALPHA_BAND_DEG, trim + ALPHA_BAND_DEG)
@@ -85,7 +85,7 @@ def _envelope(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None
 
 def _between(name: str, signal: str, least: float, greatest: float) -> written.Requirement:
     """Return the requirement that a signal stays between two values, the scale half of what lies between."""
-    formula = Formula(f"{least:.6g} <= {signal} <= {greatest:.6g}")
+    formula = formula_of(f"{least:.6g} <= {signal} <= {greatest:.6g}")
     return written.Requirement(name=name, always=formula, scale=float(f"{0.5 * (greatest - least):.6g}"))
 
 
@@ -138,11 +138,10 @@ def asked(scenario: Scenario, layout: Layout, known: Mapping[str, Known]) -> tup
 
 def left_out(scenario: Scenario, layout: Layout, known: Mapping[str, Known]) -> dict[int, list[str]]:
     """Return the requirements that this plant knows too little for, by their place, with the signals that it lacks."""
-    anywhere = known_signals(layout.columns, {})
     found = {}
     for i, one in enumerate(scenario.requirements or ()):
         missing = [name for name in one.formula.names if name not in known]
-        if missing and all(name in anywhere for name in missing):
+        if missing and set(missing) <= known_signals(layout.columns, {}).keys():
             found[i] = missing
     return found
 

@@ -36,6 +36,7 @@ CATALOGUE: dict[str, Entry] = {
     "analytic_flight_ms": Entry(loop.analytic_flight_ms, Bar(25.0)),
     "analytic_over_solve_ivp": Entry(solvers.analytic_over_solve_ivp, dict.fromkeys(solvers.SOLVERS, _AT_LEAST_50)),
     "flights_per_second": Entry(loop.flights_per_second),
+    "margin_over_flight": Entry(loop.margin_over_flight, {"analytic": Bar(1.05), "jsbsim": Bar(1.05)}),
     "process_warm_s": Entry(processes.process_warm_s),
     "warm_over_imports": Entry(processes.warm_over_imports, Bar(1.7)),
     "process_cold_s": Entry(processes.process_cold_s, Bar(12.0)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from uavftc.flight.build import build_flight
 from uavftc.flight.recorder import MemoryRecorder
@@ -71,6 +71,25 @@ def analytic_flight_ms(rounds: int) -> Figure:
     """Scenario 3 on the analytic plant: inputs sampled, loop, every row recorded in memory."""
     (seconds,) = alternately(rounds, closed_loop(scenario("scenario3", plant="analytic")))
     return Figure([1e3 * s for s in seconds])
+
+
+def margin_over_flight(rounds: int) -> dict[str, Figure]:
+    """Scenario 3 with the default requirements, over the same with none: aircraft, trim, loop, metrics, no files."""
+
+    def flights(plant: str, overrides: Sequence[str]) -> Job:
+        asked = load_scenario("scenario3", plant=plant, overrides=overrides)
+
+        def some() -> None:
+            for _ in range(FLIGHTS_A_ROUND):
+                fly_one(asked, keep_history=False)
+
+        return lambda: timed(some)
+
+    found = {}
+    for plant in ("analytic", "jsbsim"):
+        judged, bare = alternately(rounds, flights(plant, ()), flights(plant, ("requirements=[]",)))
+        found[plant] = Figure(ratios(judged, bare))
+    return found
 
 
 def flights_per_second(rounds: int) -> dict[str, Figure]:
