@@ -290,7 +290,7 @@ def test_the_figures_are_told_what_was_known(tmp_path):
     axes = metrics_of(flown.records)
     origin = origin_of(flown.flight)
     result = FlightResult(flown.flight.scenario, flown.outcome, axes, None, origin, (), flown.flight.layout)
-    by_name = {w.surface: w for w in result.figure_context().faults}
+    by_name = {w.what: w for w in result.figure_context().windows}
     assert (by_name["rudder"].known_from_s, by_name["rudder"].known_until_s) == (0.75, 1.25)
     assert (by_name["elevator"].known_from_s, by_name["elevator"].known_until_s) == (None, None)
 

@@ -51,7 +51,7 @@ def test_one_file_is_flown_twice_with_other_options(controller, tmp_path):
     assert variant_lines(document) == ["k6: mine with controller.options.k=6"]
     assert "- k6: mine with controller.options.k=6" in markdown(document)
     assert {row["controller"] for row in csv.DictReader(io.StringIO(tidy_csv(document)))} == {"mine", "pid", "k6"}
-    assert looks(list(loaded))["analytic", "k6"]["label"] == "analytic, k6"
+    assert looks(list(loaded))["analytic", "k6"]["label"] == "k6"
     compare(loaded, tmp_path / "out", figures=False)  # its own folder is replaced
 
 

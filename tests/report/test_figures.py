@@ -11,17 +11,23 @@ from PIL import Image
 
 from uavftc.report import figures, panels
 from uavftc.report.figures import write_figures
-from uavftc.results.context import FaultWindow, FigureContext
+from uavftc.results.context import FigureContext
+from uavftc.results.windows import VEHICLE, FlightWindow
+
+
+def fault(surface: str, *args, **more) -> FlightWindow:
+    axis = {"aileron": {"phi", "p", "f_p"}, "elevator": {"theta", "q", "f_q"}, "rudder": {"psi", "r", "f_r"}}
+    return FlightWindow("fault", surface, *args, concerns=frozenset({surface, *axis.get(surface, ())}), **more)
+
 
 CONTEXT = FigureContext(
     "scenario3: nndondi-l1 on hale, jsbsim",
     limits_rad=dict.fromkeys(("aileron", "elevator", "rudder"), (-0.05, 0.1)),
-    faults=[
-        FaultWindow("aileron", 0.0, 8.0, "ω = 0.5"),
-        FaultWindow("aileron", 8.0, 12.0, "ω = 0.8\nbias 0.1 + 0.5*sin(t) deg"),
-        FaultWindow("rudder", 8.0, float("inf"), "ω = 0.2*t\nbias 3*cos(0.1*t) deg"),
+    windows=[
+        fault("aileron", "ω = 0.5", 0.0, 8.0),
+        fault("aileron", "ω = 0.8\nbias 0.1 + 0.5*sin(t) deg", 8.0, 12.0),
+        fault("rudder", "ω = 0.2*t\nbias 3*cos(0.1*t) deg", 8.0, float("inf")),
     ],
-    disturbances_s=(0.0, 10.0, 13.0),
 )
 
 
@@ -35,13 +41,16 @@ def sizes(paths: list[Path]) -> dict[str, tuple[int, int]]:
 
 
 def test_four_figures_of_the_size_of_a_slide(tmp_path, make_history):
-    paths = write_figures(tmp_path / "figures", make_history(4001), CONTEXT)
-    assert sizes(paths) == {
+    bare = sizes(write_figures(tmp_path / "bare", make_history(4001), FigureContext("x")))
+    assert bare == {
         "tracking.png": (1650, 1290),
         "control.png": (1650, 1290),
         "estimates.png": (2100, 1290),
         "air.png": (1650, 990),
     }
+    paths = write_figures(tmp_path / "figures", make_history(4001), CONTEXT)
+    # with a list of three windows in two lines of 0.22 in, a strip of two lanes of 0.19 in, and 0.06 in below each
+    assert sizes(paths) == {name: (width, height + 141) for name, (width, height) in bare.items()}
 
 
 def test_no_figure_of_the_air_without_an_airspeed(tmp_path, make_history):
@@ -83,7 +92,7 @@ def test_a_spike_of_one_sample_survives_an_hour(tmp_path, make_history):
         line = fig.axes[2].lines[0]
         assert len(line.get_xdata()) < 5_000  # thinned
         assert np.max(line.get_ydata()) == pytest.approx(np.rad2deg(1.0))
-    assert sizes(write_figures(tmp_path, history, CONTEXT))["control.png"] == (1650, 1290)
+    assert sizes(write_figures(tmp_path, history, CONTEXT))["control.png"][0] == 1650
 
 
 def test_envelope_keeps_extremes_ends_and_order_and_passes_over_nan():
@@ -109,7 +118,7 @@ def test_tracking_is_in_degrees_and_marks_the_convergence_time(make_history):
     (mark,) = [line for line in right.lines if line.get_label() == "converged"]
     # 5 deg exp(-0.5 t) enters 0.02 deg at 2 ln 250 = 11.043 s; the next sample is 11.045 s
     assert mark.get_xdata()[0] == pytest.approx(11.045, abs=1e-9)
-    assert right.texts[0].get_text() == "11.04 s"
+    assert right.texts[-1].get_text() == "11.04 s"
 
 
 def test_no_convergence_mark_when_the_last_row_is_outside(make_history):
@@ -124,10 +133,19 @@ def test_control_shows_limits_faults_and_their_labels(make_history):
     aileron, elevator, rudder = (fig.axes[i] for i in (1, 3, 5))
     limits = [line.get_ydata()[0] for line in aileron.lines if line.get_label() == "limit"]
     assert limits == pytest.approx([-2.8648, 5.7296], abs=1e-3)
-    assert [text.get_text().split("\n")[0] for text in aileron.texts] == ["ω = 0.5", "ω = 0.8"]
+    assert written(aileron) == ["1: ω = 0.5", "2"]  # the second has no room for its three lines: it is in the list
     assert elevator.texts[:] == []
-    (window,) = rudder.patches  # open-ended: to the end of the flight
-    assert (window.get_x(), window.get_x() + window.get_width()) == (8.0, 20.0)
+    assert written(rudder) == ["3: ω = 0.2*t\nbias 3*cos(0.1*t) deg"]
+    assert shaded(rudder) == [(8.0, 20.0)]  # open-ended: to the end of the flight
+    assert shaded(aileron) == [(0.0, 8.0), (8.0, 12.0)]
+
+
+def written(ax) -> list[str]:
+    return [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in ax.texts]
+
+
+def shaded(ax) -> list[tuple[float, float]]:
+    return [(p.get_x(), p.get_x() + p.get_width()) for p in ax.patches]
 
 
 def test_control_shows_each_effector_that_is_not_the_surface_of_an_axis(make_history):
@@ -135,10 +153,10 @@ def test_control_shows_each_effector_that_is_not_the_surface_of_an_axis(make_his
     history, t = make_history(4001), np.arange(4001) / 200.0
     for j, name in enumerate(("left_flap", "right_flap", "slat")):
         history[f"{name}_cmd_rad"], history[f"{name}_rad"] = 0.01 * j + 0.001 * t, 0.01 * j + 0.0005 * t
-    fault = FaultWindow("right_flap", 2.0, 4.0, "ω = 0.1")
+    windows = [fault("right_flap", "ω = 0.1", 2.0, 4.0)]
     with panels.style():
-        fig = figures.control(history, FigureContext("x", limits_rad={"slat": (-0.01, 0.05)}, faults=[fault]))
-    left, right, slat, hidden = fig.axes[6:]
+        fig = figures.control(history, FigureContext("x", limits_rad={"slat": (-0.01, 0.05)}, windows=windows))
+    left, right, slat, hidden = fig.axes[6:10]
     assert [ax.get_title("left") for ax in (left, right, slat)] == ["(g) left flap", "(h) right flap", "(i) slat"]
     assert not hidden.get_visible()
     command, position = (line.get_ydata() for line in right.lines[:2])
@@ -174,15 +192,19 @@ def test_noise_of_rounding_is_not_magnified(make_history):
     assert high - low >= 0.1  # deg/s
 
 
-def test_wind_takes_the_place_of_the_throttle(make_history):
+def test_moving_air_has_panels_below_the_throttle(make_history):
     with panels.style():
         calm = figures.air(make_history(10), FigureContext("x"))
-        windy = figures.air(make_history(10), FigureContext("x", wind=True))
-    assert (calm.axes[3].get_title(loc="left"), windy.axes[3].get_title(loc="left")) == ("(d) throttle", "(d) wind")
+        wind = FlightWindow("air", "", "wind, north 3 m/s", 0.0, 9.0, VEHICLE | {"wind"})
+        windy = figures.air(make_history(10), FigureContext("x", windows=[wind]))
+    titles = [[ax.get_title(loc="left") for ax in fig.axes] for fig in (calm, windy)]
+    assert titles[0] == ["(a) airspeed", "(b) altitude", "(c) flow angles", "(d) throttle"]
+    assert titles[1][:6] == [*titles[0], "(e) wind", "(f) rotation of air"]
+    assert next(text.get_text() for text in windy.axes[5].texts) == "this air does not turn"
 
 
 def test_names_with_mathematics_and_the_users_own_settings_do_no_harm(tmp_path, make_history):
-    context = FigureContext("a $x_{$ b", faults=[FaultWindow("rudder", 0.0, 9.0, "half $of{$ x")])
+    context = FigureContext("a $x_{$ b", windows=[fault("rudder", "half $of{$ x", 0.0, 9.0)])
     with mpl.rc_context({"font.size": 3.0, "text.usetex": True}):
         write_figures(tmp_path / "user", make_history(20), context)
         assert mpl.rcParams["font.size"] == 3.0

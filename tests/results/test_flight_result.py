@@ -11,7 +11,6 @@ import pytest
 
 from uavftc.flight.fly import Outcome
 from uavftc.jobs.campaign.pool import fly_one
-from uavftc.results.context import FaultWindow
 from uavftc.results.flight import FlightResult, metadata_of
 from uavftc.results.history import read_history, read_metadata
 from uavftc.scenario.load import load_scenario, scenario_text
@@ -46,13 +45,18 @@ def test_the_figures_are_given_faults_limits_and_disturbances(result: FlightResu
     assert context.title == "scenario3: nndondi-l1 on hale, analytic"
     same = dict.fromkeys(("aileron", "elevator", "rudder", "left_aileron"), (-0.05, 0.1))
     assert context.limits_rad == {**same, "right_aileron": (-0.1, 0.05)}
-    ailerons = ["aileron", "left_aileron", "right_aileron"]
-    assert [f.surface for f in context.faults] == [*ailerons, "elevator", *ailerons, "elevator", "rudder"]
-    assert context.faults[0] == FaultWindow("aileron", 0.0, 8.0, "ω = 0.5")
-    assert context.faults[2] == FaultWindow("right_aileron", 0.0, 8.0, "aileron: ω = 0.5")
-    assert context.faults[-1] == FaultWindow("rudder", 8.0, 12.0, "ω = 0.2*t\nbias 3*cos(0.1*t) deg")
-    assert list(context.disturbances_s) == [10.0]  # what begins at 13 s is past the flight
-    assert not context.wind
+    assert [(w.kind, w.what) for w in context.windows] == [
+        ("fault", "aileron"),
+        ("fault", "elevator"),
+        ("disturbance", "disturbance"),
+        ("fault", "aileron"),
+        ("fault", "elevator"),
+        ("fault", "rudder"),
+        ("disturbance", "disturbance"),
+    ]  # fmt: skip  (the disturbance that begins at 13 s is past the flight)
+    last = context.windows[5]
+    assert (last.start_s, last.end_s, last.label) == (8.0, 12.0, "ω = 0.2*t\nbias 3*cos(0.1*t) deg")
+    assert (context.limiting, context.twin) == (None, None)
 
 
 def test_the_figures_of_a_lost_flight_say_so_in_the_title(result: FlightResult) -> None:

@@ -27,7 +27,7 @@ class Config(EngineFault):
     @property
     def label(self) -> str:
         """What a figure writes into its window."""
-        return "engine lost"
+        return "lost"
 
 
 def change(entry: Config) -> Change:

@@ -30,7 +30,7 @@ class Config(EngineFault):
     @property
     def label(self) -> str:
         """What a figure writes into its window."""
-        return f"engine at {self.power:g}"
+        return f"throttle times {self.power:g}"
 
 
 def change(entry: Config) -> Change:

@@ -153,8 +153,15 @@ def _unit(key: Key) -> str:
 
 def unit_of(name: str) -> str:
     """Return the unit that a key's suffix names, or nothing; the m of A_m is none."""
-    known = (text for suffix, text in _UNITS.items() if name.endswith(f"_{suffix}") and name.islower())
-    return next(known, "")
+    return apart(name)[1]
+
+
+def apart(name: str) -> tuple[str, str]:
+    """Return a key without the suffix of its unit, and that unit, or nothing."""
+    for suffix, unit in _UNITS.items():
+        if name.endswith(f"_{suffix}") and name.islower():
+            return name.removesuffix(f"_{suffix}"), unit
+    return name, ""
 
 
 def _unknown(key: Key, model: type[BaseModel], root: type[BaseModel]) -> Problem:

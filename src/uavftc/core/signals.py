@@ -14,6 +14,7 @@ import numpy as np
 
 AXES = ("roll", "pitch", "yaw")
 SURFACES = ("aileron", "elevator", "rudder")
+ANGLES, RATES = ("phi", "theta", "psi"), ("p", "q", "r")
 
 _VEC = (3,)
 

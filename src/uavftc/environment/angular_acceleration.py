@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.config.labels import parts
 from uavftc.config.values import ZERO, Signal, Window
 from uavftc.core.layout import Targets
 
@@ -23,6 +24,11 @@ class Config(Window):
     """signal: about the body y axis"""
     r_degps2: Signal = ZERO
     """signal: about the body z axis"""
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return parts({"p": self.p_degps2, "q": self.q_degps2, "r": self.r_degps2}, "deg/s^2")
 
 
 def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:

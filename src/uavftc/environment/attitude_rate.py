@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.config.labels import parts
 from uavftc.config.values import ZERO, Signal, Window
 from uavftc.core.layout import Targets
 
@@ -29,6 +30,11 @@ class Config(Window):
     """signal: added to the rate of pitch"""
     psi_degps: Signal = ZERO
     """signal: added to the rate of heading"""
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return parts({"roll": self.phi_degps, "pitch": self.theta_degps, "yaw": self.psi_degps}, "deg/s")
 
 
 def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:

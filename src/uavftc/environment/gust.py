@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from uavftc.config.labels import parts
 from uavftc.config.values import Model, NonNegative, Number, Positive
 from uavftc.core.layout import Targets
 from uavftc.environment import air
@@ -32,6 +33,12 @@ class Config(Model):
     """down"""
 
     remedies: ClassVar[dict[str, str]] = {"end_s": "remove it: a gust ends by itself, at start_s + 2*ramp_s + hold_s"}
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        said = parts({"north": self.north_mps, "east": self.east_mps, "down": self.down_mps}, "m/s")
+        return f"gust, {said}"
 
     @property
     def end_s(self) -> float:

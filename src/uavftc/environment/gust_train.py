@@ -19,6 +19,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from uavftc.config.labels import parts
 from uavftc.config.values import Model, NonNegative, Number, Positive, Problem, Whole, refusal, window_of
 from uavftc.core.layout import Targets
 from uavftc.core.random import stream
@@ -56,6 +57,12 @@ class Config(Model):
     """`regular`: each begins with its interval of `spacing_s`; `random`: anywhere in it that leaves it whole"""
 
     remedies: ClassVar[dict[str, str]] = {"end_s": "remove it: a train ends by itself, after count gusts"}
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        said = parts({"north": self.north_mps, "east": self.east_mps, "down": self.down_mps}, "m/s")
+        return f"{self.count} gusts, {said}"
 
     @property
     def length_s(self) -> float:

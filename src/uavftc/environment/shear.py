@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
+from uavftc.config.labels import parts
 from uavftc.config.values import NonNegative, Number, Positive, Problem, Window, refusal
 from uavftc.core.given import Given
 from uavftc.core.stage import NOTHING, Block, Stage, law, params_of
@@ -58,6 +59,12 @@ class Config(Window):
     """G of a linear profile: change of the velocity to the north with height; `null` is 0"""
     east_mps_per_m: Number | None = None
     """to the east"""
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        said = parts({"north": self.north_mps, "east": self.east_mps}, "m/s")
+        return f"{self.profile} shear, {said} at {self.reference_height_m:g} m"
 
     foreign: ClassVar[dict[str, tuple[str, ...]]] = {
         "power": ("north_mps_per_m", "east_mps_per_m"),

@@ -38,6 +38,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import model_validator
 
+from uavftc.config.labels import each
 from uavftc.config.values import NonNegative, Positive, Problem, Window, list_of, refusal
 from uavftc.core.given import Given
 from uavftc.core.kinematics import to_north_east_down
@@ -116,6 +117,14 @@ class Config(Window):
     """whether the air turns too; the moments are those of the aircraft's damping at trim, and need its span"""
     fade_s: NonNegative = 2.0
     """time over which it fades in at `start_s`, and out before `end_s`"""
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        model = {"dryden": "Dryden", "von-karman": "von Karman"}[self.model]
+        if self.sigma_mps is None:
+            return f"{self.severity} {model} turbulence"
+        return f"{model} turbulence, {each(self.sigma_mps, 'm/s')} rms"
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Config:

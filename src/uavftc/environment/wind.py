@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.config.labels import parts
 from uavftc.config.values import ZERO, Signal, Window
 from uavftc.core.layout import Targets
 from uavftc.environment import air
@@ -24,6 +25,12 @@ class Config(Window):
     """signal: to the east"""
     down_mps: Signal = ZERO
     """signal: down"""
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        said = parts({"north": self.north_mps, "east": self.east_mps, "down": self.down_mps}, "m/s")
+        return f"wind, {said}"
 
 
 def prescribe(entry: Config, t: np.ndarray, records: np.ndarray, targets: Targets) -> None:

@@ -18,7 +18,7 @@ from uavftc.core.signals import AXES, SURFACES
 from uavftc.report import panels
 from uavftc.report.effectors_text import effect_text, has_table, weight_text
 from uavftc.report.fleet_table import times
-from uavftc.report.panels import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
+from uavftc.report.palette import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
 from uavftc.results.single import figure_metadata, write_single
 
 LINEAR = 0.01  # 1/s and rad/s: closer to the origin the axes are linear, beyond logarithmic

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from uavftc.core.signals import AXES
+from uavftc.core.signals import ANGLES, AXES, RATES
 
 History = Mapping[str, np.ndarray]
 
-ANGLES, RATES = ("phi", "theta", "psi"), ("p", "q", "r")
 _LARGEST = 1e9  # deg; beyond it a flight has diverged, and its square would overflow
 
 

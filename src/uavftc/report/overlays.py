@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import combinations, cycle
+from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from uavftc.core.signals import AXES, SURFACES
-from uavftc.report import panels
+from uavftc.core.signals import ANGLES, AXES, RATES, SURFACES
+from uavftc.report import palette, panels
 from uavftc.report.chatter import chatter
-from uavftc.report.distance import ANGLES, RATES, attitude_difference, rate_difference, rows_in_common
-from uavftc.report.figures import BAND_DEG, REFERENCE, History, deg, limits_deg, merged, name_panel
-from uavftc.report.panels import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION
-from uavftc.results.context import FaultWindow, FigureContext
+from uavftc.report.distance import attitude_difference, rate_difference, rows_in_common
+from uavftc.report.drawn import History
+from uavftc.report.figures import BAND_DEG, TURN, limits_deg
+from uavftc.report.palette import GREEN, REFERENCE
+from uavftc.report.panels import deg, letters
+from uavftc.report.strip import mark, new_figure
+from uavftc.results.context import FigureContext
 
 Key = tuple[str, str]
 """(plant, controller)."""
 
-_COLOURS = (BLUE, VERMILLION, PURPLE, GREEN, ORANGE, SKY)
-_DASHES: tuple[Any, ...] = ("-", (0, (4, 1.6)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
+_MARKED = 4  # so many flights or more have markers too: line styles alone are no longer told apart
+_MARKERS = 8  # of a curve
+_WIDEST, _THINNEST = 3.0, 1.4  # points
 
 
 def write_overlays(folder: Path, histories: Mapping[Key, History], context: FigureContext) -> list[Path]:
@@ -36,8 +40,11 @@ def write_overlays(folder: Path, histories: Mapping[Key, History], context: Figu
     histories
         (plant, controller) to published columns (`signals.COLUMNS`), sampled at the same times; one may end early.
     context
-        Title, limits and faults; the other fields are not used.
+        Title, limits and windows; a limiting moment and a twin, which are those of one flight, are not drawn.
     """
+    plants = list(dict.fromkeys(plant for plant, _ in histories))
+    title = context.title if len(plants) > 1 else f"{context.title}, {plants[0]}"
+    context = replace(context, title=title, limiting=None, twin=None)
     draw: dict[str, Callable[[Mapping[Key, History], FigureContext], Figure]] = {
         "tracking": tracking, "commands": commands
     }  # fmt: skip
@@ -55,23 +62,29 @@ def write_overlays(folder: Path, histories: Mapping[Key, History], context: Figu
 def looks(keys: Sequence[Key]) -> dict[Key, dict[str, Any]]:
     """Return how each flight is drawn: the colour shows what there is more than one of, the dashes show the plant.
 
-    With only one controller (or one plant), colour and dashes both show the plant (the controller).
+    With only one controller (or one plant), colour and dashes both show the plant (the controller). A controller that
+    is shipped has the same colour in every comparison.
     """
     plants, controllers = (list(dict.fromkeys(key[i] for key in keys)) for i in (0, 1))
-    by = 0 if len(controllers) == 1 else 1
-    colours = dict(zip((plants, controllers)[by], cycle(_COLOURS)))
-    dashes = dict(zip(controllers if len(plants) == 1 else plants, cycle(_DASHES)))
+    by = 0 if len(controllers) == 1 and len(plants) > 1 else 1
+    styles = palette.in_order(plants) if by == 0 else palette.controllers(controllers)
+    dashes = palette.in_order(plants)
+    found: dict[Key, dict[str, Any]] = {}
     # What is drawn later lies above and is thinner, so that curves which coincide stay visible, all of them.
-    return {
-        (plant, controller): {
-            "color": colours[(plant, controller)[by]],
-            "linestyle": dashes[controller if len(plants) == 1 else plant],
-            "linewidth": 3.4 * 0.66 ** controllers.index(controller) * 0.6 ** plants.index(plant),
-            "zorder": 2.1 + 0.1 * plants.index(plant),
-            "label": f"{plant}, {controller}",
-        }
-        for plant, controller in keys
-    }
+    widths = np.linspace(_WIDEST, max(_THINNEST, _WIDEST - 0.5 * (len(keys) - 1)), len(keys))
+    order = sorted(range(len(keys)), key=lambda i: plants.index(keys[i][0]))
+    for place, i in enumerate(order):
+        plant, controller = keys[i]
+        look = dict(styles[(plant, controller)[by]])
+        if len(plants) > 1:
+            look["linestyle"] = dashes[plant]["linestyle"]
+        marker = look.pop("marker")
+        if len(keys) >= _MARKED:
+            look |= {"marker": marker, "markersize": 5.5}
+        label = f"{plant}, {controller}" if len(plants) > 1 else controller
+        look |= {"linewidth": float(widths[place]), "zorder": 2.1 + 0.01 * place, "label": label}
+        found[keys[i]] = look
+    return {key: found[key] for key in keys}
 
 
 def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure:
@@ -80,6 +93,7 @@ def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure
     longest = max(histories.values(), key=lambda history: len(history["time_s"]))
     for i, angle in enumerate(ANGLES):
         left, right = axes[i]
+        turn = TURN if angle == "psi" else None
         drawn = []
         if context.controlled[i]:
             right.set_yscale("log")
@@ -87,8 +101,8 @@ def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure
         for key, history in histories.items():
             t, actual = history["time_s"], deg(history, f"{angle}_rad")
             if not context.controlled[i]:
-                actual = np.unwrap(actual, period=360.0)
-            drawn.append(panels.curve(left, t, actual - _first(actual), **look[key]))
+                actual = np.unwrap(actual, period=TURN)
+            drawn.append(panels.curve(left, t, actual - _first(actual), turn=turn, **look[key]))
             if not context.controlled[i]:
                 continue
             error = np.abs(deg(history, f"{angle}_ref_rad") - actual)
@@ -96,19 +110,21 @@ def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure
             greatest = max(greatest, float(np.max(error, initial=0.0, where=np.isfinite(error))))
         if not context.controlled[i]:
             panels.fit_y(left, drawn, least=0.5)
-            name_panel(left, 2 * i, f"{AXES[i]} angle, from trim, not controlled", rf"$\{angle}$ [deg]")
-            name_panel(right, 2 * i + 1, f"{AXES[i]} error", "")
+            letters(left, 2 * i, f"{AXES[i]} angle, from trim, not controlled", rf"$\{angle}$ [deg]")
+            letters(right, 2 * i + 1, f"{AXES[i]} error", "")
             panels.absent(right, "not controlled")
+            mark(left, context, angle)
             continue
         reference = deg(longest, f"{angle}_ref_rad") - _first(deg(longest, f"{angle}_rad"))
         drawn.append(panels.curve(left, longest["time_s"], reference, label="reference", **REFERENCE))
         panels.fit_y(left, drawn, least=0.5)
-        name_panel(left, 2 * i, f"{AXES[i]} angle, from trim", rf"$\{angle}$ [deg]")
+        letters(left, 2 * i, f"{AXES[i]} angle, from trim", rf"$\{angle}$ [deg]")
         right.axhspan(1e-9, BAND_DEG, color=GREEN, alpha=0.15, linewidth=0, label=f"within {BAND_DEG} deg")
         right.set_ylim(1e-3, 2.0 * greatest)
-        name_panel(right, 2 * i + 1, f"{AXES[i]} error", "|error| [deg]")
-        _shade((left, right), context.faults)
-    panels.legends(axes)
+        letters(right, 2 * i + 1, f"{AXES[i]} error", "|error| [deg]")
+        for ax in (left, right):
+            mark(ax, context, angle)
+    panels.legend(fig, axes)
     return fig
 
 
@@ -118,19 +134,18 @@ def commands(histories: Mapping[Key, History], context: FigureContext) -> Figure
     for i, surface in enumerate(SURFACES):
         ax = axes[i, 0]
         if not context.controlled[i]:
-            name_panel(ax, i, f"{surface}, commanded", "")
+            letters(ax, i, f"{surface}, commanded", "")
             panels.absent(ax, f"no {surface}")
             continue
-        drawn = [
-            chatter(ax, history["time_s"], deg(history, f"{surface}_cmd_rad"), **look[key])
-            for key, history in histories.items()
-        ]
-        limits = panels.limits(ax, drawn, limits_deg(context, surface))
-        panels.fit_y(ax, [*drawn, *limits], least=0.2)
-        panels.cut(ax, drawn, [float(limit[0]) for limit in limits])
-        name_panel(ax, i, f"{surface}, commanded", "$v_2$ [deg]")
-        _shade((ax,), [fault for fault in context.faults if fault.surface == surface])
-    panels.legends(axes, columns=3)
+        drawn, shown = [], []
+        limits = limits_deg(context, surface)
+        for key, history in histories.items():
+            drawn.append(chatter(ax, history["time_s"], deg(history, f"{surface}_cmd_rad"), **look[key]))
+            shown += panels.wound_up(drawn[-1], [deg(history, f"{surface}_rad")], limits)
+        panels.fit_y(ax, shown, least=0.2, keep=panels.limits(ax, shown, limits))
+        letters(ax, i, f"{surface}, commanded", "$v_2$ [deg]")
+        mark(ax, context, surface)
+    panels.legend(fig, axes)
     return fig
 
 
@@ -139,9 +154,11 @@ def difference(histories: Mapping[Key, History], context: FigureContext) -> Figu
     fig, axes, _ = _figure(histories, context, 2)
     pairs = _pairs(histories)
     names = [f"{a[0]} − {b[0]}: {a[1]}" for a, b in pairs]
+    looked = palette.controllers([a[1] for a, _ in pairs]) if len({a[1] for a, _ in pairs}) == len(pairs) else None
+    looked = palette.in_order(names) if looked is None else dict(zip(names, looked.values(), strict=True))
     styles = [
-        {"color": colour, "linestyle": dash, "linewidth": 3.4 * 0.66**i, "label": name}
-        for i, (colour, dash, name) in enumerate(zip(cycle(_COLOURS), cycle(_DASHES), names))
+        {**looked[name], "marker": None, "linewidth": max(_THINNEST, _WIDEST - 0.5 * i), "label": name}
+        for i, name in enumerate(names)
     ]
     for i, (angle, rate) in enumerate(zip(ANGLES, RATES, strict=True)):
         left, right = axes[i]
@@ -154,10 +171,11 @@ def difference(histories: Mapping[Key, History], context: FigureContext) -> Figu
                 kept.append(chatter(ax, t, y, **look))
         panels.fit_y(left, drawn[0], least=0.02)
         panels.fit_y(right, drawn[1], least=0.02)
-        name_panel(left, 2 * i, f"{AXES[i]} angle, difference", rf"$\Delta\{angle}$ [deg]")
-        name_panel(right, 2 * i + 1, f"{AXES[i]} rate, difference", rf"$\Delta {rate}$ [deg/s]")
-        _shade((left, right), context.faults)
-    panels.legends(axes, columns=1)
+        letters(left, 2 * i, f"{AXES[i]} angle, difference", rf"$\Delta\{angle}$ [deg]")
+        letters(right, 2 * i + 1, f"{AXES[i]} rate, difference", rf"$\Delta {rate}$ [deg/s]")
+        mark(left, context, angle)
+        mark(right, context, rate)
+    panels.legend(fig, axes)
     return fig
 
 
@@ -169,15 +187,14 @@ def _pairs(histories: Mapping[Key, History]) -> list[tuple[Key, Key]]:
 def _figure(
     histories: Mapping[Key, History], context: FigureContext, columns: int
 ) -> tuple[Figure, np.ndarray, dict[Key, dict[str, Any]]]:
-    fig, axes = panels.new_figure(context.title, 3, columns, (11.0, 9.0))
-    panels.fit_t(axes[0, 0], max((history["time_s"] for history in histories.values()), key=len))
-    return fig, axes, looks(list(histories))
+    longest = max((history["time_s"] for history in histories.values()), key=len)
+    fig, axes = new_figure(context, longest, 3, columns, (11.0, 9.0))
+    look = looks(list(histories))
+    step = max(1, min(len(longest), panels.THINNED) // _MARKERS)
+    for i, one in enumerate(look.values()):
+        one["markevery"] = (int(step * (i + 0.5) / len(look)), step)
+    return fig, axes, look
 
 
 def _first(values: np.ndarray) -> float:
     return float(values[0]) if len(values) and np.isfinite(values[0]) else 0.0
-
-
-def _shade(axes: Sequence[Axes], faults: Sequence[FaultWindow]) -> None:
-    for ax in axes:
-        panels.shade(ax, merged(faults), name="fault on a surface", written=False)

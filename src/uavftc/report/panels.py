@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import textwrap
+import string
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -12,14 +12,20 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
 
-# Okabe and Ito, "Color universal design" (2008): distinct with every common colour vision deficiency.
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
+from uavftc.report.palette import DARK, LIMIT, VERMILLION
 
 MAX_POINTS = 20_000  # rows drawn as they are; beyond, the envelope
 _BINS = 2_000  # two points each; a panel is some 700 pixels wide
+THINNED = 2 * _BINS  # points of an envelope, about
+_LARGEST = 1e9  # beyond it, the end of a diverged flight is not drawn: it would overflow the axes
+_BRIEF = 0.005  # share of the samples on either side that may be a spike
+_FAR = 4.0  # a spike makes the span of the values at least so many times that of the others
+_WOUND_UP_DEG = 30.0  # how far beyond the deflection a command is drawn where there is no limit
+_LETTERS = string.ascii_letters
+IDLE_DEGPS = 1e-3  # an observer whose estimate stays below is idle: the commanded rates are 2.5 deg/s
 
 _STYLE: Any = {
     "figure.dpi": 150,
@@ -56,18 +62,6 @@ def style(changes: Mapping[str, Any] | None = None) -> Iterator[None]:
         yield
 
 
-def new_figure(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
-    """Return a figure of `size` inches and its axes, shape (rows, columns), which share the time axis."""
-    fig = Figure(figsize=size, layout="constrained")
-    fig.get_layout_engine().set(w_pad=0.08, h_pad=0.05)  # type: ignore[union-attr, call-arg]
-    fig.suptitle(title, fontsize=14, fontweight="bold", parse_math=False)
-    axes = fig.subplots(rows, columns, sharex=True, squeeze=False)
-    for ax in axes[-1]:
-        ax.set_xlabel("time [s]")
-        ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
-    return fig, axes
-
-
 def legends(axes: np.ndarray, columns: int | None = None) -> None:
     """Put beneath each column of `axes` one legend of all its curves, each label once, where it covers no data.
 
@@ -84,9 +78,13 @@ def legends(axes: np.ndarray, columns: int | None = None) -> None:
             )
 
 
-def legend(fig: Figure, axes: np.ndarray, columns: int) -> None:
-    """Put beneath the figure one legend of all curves of `axes`, each label once, in so many columns."""
-    entries = _entries(axes.ravel())
+def legend(fig: Figure, axes: np.ndarray) -> None:
+    """Put beneath the figure one legend of all curves of `axes`, each label once, in as many columns as have room."""
+    if not (entries := _entries(axes.ravel())):
+        return
+    size = mpl.rcParams["legend.fontsize"]
+    widest = max((width_of(label, size) for label in entries), default=0.0) + 4.5 * size  # with its sample
+    columns = max(1, int(72 * (fig.get_size_inches()[0] - 0.3) / widest))
     fig.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=columns)
 
 
@@ -99,10 +97,29 @@ def _entries(axes: Iterable[Axes]) -> dict[str, Artist]:
     return entries
 
 
-def curve(ax: Axes, t: np.ndarray, y: np.ndarray, **look: Any) -> np.ndarray:
-    """Draw y over t, both shape (n,), thinned if long; return the values drawn."""
+def title_legend(ax: Axes, curves: Sequence[Artist], columns: int) -> None:
+    """Name curves of one panel to the right of its title; they take no part in the legend beneath."""
+    place: Any = {"loc": "lower right", "bbox_to_anchor": (1.0, 0.98), "borderaxespad": 0.1}
+    ax.legend(handles=curves, ncols=columns, fontsize="small", columnspacing=1.2, handlelength=2.4, **place)
+    for one in curves:
+        one.set_label(f"_{one.get_label()}")
+
+
+def width_of(text: str, size: float) -> float:
+    """Return the width of a text of so many points, points."""
+    return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0])
+
+
+def curve(ax: Axes, t: np.ndarray, y: np.ndarray, *, turn: float | None = None, **look: Any) -> np.ndarray:
+    """Draw y over t, both shape (n,), thinned if long; return the values drawn.
+
+    Where y jumps by more than half a `turn` there is no line: an angle that is counted within one turn wraps there.
+    """
     if len(t) > MAX_POINTS:
         t, y = envelope(t, y)
+    if turn is not None:
+        wraps = np.flatnonzero(np.abs(np.diff(y)) > 0.5 * turn) + 1
+        t, y = np.insert(t, wraps, t[wraps]), np.insert(y, wraps, np.nan)
     if len(t) < 3:
         look.setdefault("marker", "o")
     ax.plot(t, y, **look)
@@ -126,8 +143,8 @@ def envelope(t: np.ndarray, y: np.ndarray, bins: int = _BINS) -> tuple[np.ndarra
     return t[kept], y[kept]
 
 
-def cut(ax: Axes, drawn: Sequence[np.ndarray], values: Sequence[float]) -> None:
-    """Bound the y-axis to a span beyond a lower and an upper limit, both drawn, and say what is off the scale.
+def cut(ax: Axes, values: Sequence[float]) -> None:
+    """Bound the y-axis to a span beyond a lower and an upper limit, both drawn.
 
     A command far past its limit acts as one at the limit; on its full scale nothing else could be read.
     """
@@ -136,73 +153,104 @@ def cut(ax: Axes, drawn: Sequence[np.ndarray], values: Sequence[float]) -> None:
     low, high = min(values), max(values)
     bottom, top = ax.get_ylim()
     new = max(bottom, 2 * low - high), min(top, 2 * high - low)
-    if new[0] >= high or new[1] <= low or new == (bottom, top):
+    if new[0] < high and new[1] > low:
+        ax.set_ylim(*new)
+
+
+def wound_up(command: np.ndarray, deflection: Sequence[np.ndarray], limits: Sequence[float]) -> list[np.ndarray]:
+    """Return what the y-axis is to show of a command, deg: of one far beyond what is deflected or allowed a part.
+
+    That part reaches a span of the limits beyond them, or 30 deg beyond the deflection where there are not two.
+    """
+    kept, values = finite([*deflection, np.asarray(limits, dtype=float)]), finite([command])
+    if not kept.size or not values.size:
+        return [command]
+    low, high = float(kept.min()), float(kept.max())
+    reach = high - low if len(limits) == 2 else max(_WOUND_UP_DEG, high - low)
+    return [np.clip(values, low - reach, high + reach)]
+
+
+def name_off_scale(ax: Axes) -> None:
+    """Say above a panel how far its curves go beyond the ends of the y-axis, if they do; not on a logarithmic one."""
+    if ax.get_yscale() != "linear":
         return
-    ax.set_ylim(*new)
-    finite = np.concatenate(drawn)
-    finite = finite[np.isfinite(finite)]
-    ends = [v for v, off in ((finite.min(), finite.min() < new[0]), (finite.max(), finite.max() > new[1])) if off]
-    text = "off scale: to " + " and ".join(f"{v:+.3g}" for v in ends)
-    ax.set_title(text.replace("-", "\N{MINUS SIGN}"), loc="right", fontsize="small", color="#555555")
+    drawn = [np.asarray(line.get_ydata(), dtype=float) for line in ax.lines if line.get_transform() == ax.transData]
+    drawn += [np.asarray(path.vertices)[:, 1] for band in ax.collections for path in band.get_paths()]
+    values, (bottom, top) = finite(drawn), ax.get_ylim()
+    if not values.size:
+        return
+    low, high = float(values.min()), float(values.max())
+    slack = 1e-9 * (top - bottom)
+    beyond = [v for v, off in ((low, low < bottom - slack), (high, high > top + slack)) if off]
+    if beyond:
+        remark(ax, "off scale: to " + " and ".join(map(_signed, beyond)))
 
 
-def fit_y(ax: Axes, values: Sequence[np.ndarray], least: float, headroom: float = 0.0) -> None:
-    """Set the y-axis to the finite `values`, spanning at least `least`, with `headroom` (share of it) free on top."""
-    drawn = np.concatenate([np.ravel(v) for v in values]) if values else np.empty(0)
-    drawn = drawn[np.isfinite(drawn)]
+def _signed(value: float) -> str:
+    """Return a number with its sign and three digits that count: +1390."""
+    return f"{float(f'{value:.3g}'):+g}"
+
+
+def remark(ax: Axes, text: str) -> None:
+    """Write a remark to the right above a panel, behind what stands there."""
+    before = ax.get_title(loc="right")
+    text = text.replace("-", "\N{MINUS SIGN}")
+    if ax.get_legend() is not None:  # which has that place
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
+        look: Any = {"ha": "right", "va": "bottom", "fontsize": "small", "color": DARK, "bbox": box}
+        ax.text(0.995, 0.02, text, transform=ax.transAxes, **look)
+        return
+    ax.set_title(f"{before}; {text}" if before else text, loc="right", fontsize="small", color=DARK)
+
+
+def fit_y(ax: Axes, values: Sequence[np.ndarray], least: float, keep: Sequence[np.ndarray] = ()) -> None:
+    """Set the y-axis to the finite `values` and to `keep`, spanning at least `least`; a spike of `values` is cut.
+
+    A spike is what at most one per cent of the values do, if it makes their span more than four times as large.
+    """
+    drawn, kept = finite(values), finite(keep)
     low, high = (float(drawn.min()), float(drawn.max())) if drawn.size else (0.0, 0.0)
+    if drawn.size:
+        core = [float(v) for v in np.quantile(drawn, (_BRIEF, 1.0 - _BRIEF))]
+        span = max(core[1] - core[0], least)
+        if high - low > _FAR * span:
+            low, high = max(low, core[0] - 0.5 * span), min(high, core[1] + 0.5 * span)
+    if kept.size:
+        low, high = min(low, float(kept.min())), max(high, float(kept.max()))
     short = max(least - (high - low), 0.0) / 2
     low, high = low - short, high + short
     margin = 0.06 * (high - low)
-    low -= margin
-    ax.set_ylim(low, low + (high + margin - low) / (1.0 - headroom))
+    ax.set_ylim(low - margin, high + margin)
+
+
+def finite(values: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the finite numbers among several arrays, shape (n,)."""
+    drawn = np.concatenate([np.ravel(v) for v in values]) if values else np.empty(0)
+    found: np.ndarray = drawn[np.isfinite(drawn)]
+    return found
 
 
 def fit_t(ax: Axes, t: np.ndarray) -> None:
     """Set the shared time axis to the flight."""
-    finite = t[np.isfinite(t)]
-    start, end = (float(finite[0]), float(finite[-1])) if finite.size else (0.0, 0.0)
+    start, end = ends(t)
     ax.set_xlim(start, end if end > start else start + 1.0)
 
 
-def shade(ax: Axes, windows: Sequence[tuple[float, float, str]], *, name: str, written: bool = True) -> float:
-    """Shade time windows (start, end, label) behind the curves, and write the labels at the top where they fit.
-
-    Returns the share of the height that the labels need, for `fit_y`.
-    """
-    t0, t1 = ax.get_xlim()
-    layout = ax.get_subplotspec().get_gridspec()  # type: ignore[union-attr]
-    width, height = ax.figure.get_size_inches() * 72 / (layout.ncols, layout.nrows)  # type: ignore[union-attr]
-    lines = 0
-    for i, (start, end, label) in enumerate(sorted(windows)):
-        start, end = max(start, t0), min(end, t1)  # noqa: PLW2901
-        if end <= start:
-            continue
-        ax.axvspan(start, end, color=ORANGE, alpha=(0.13, 0.24)[i % 2], linewidth=0, zorder=0, label=name)
-        room = int((end - start) / (t1 - t0) * 0.85 * width / 5.6)  # characters of 10 points
-        if written and room >= 5:
-            text = _wrapped(label, room)
-            lines = max(lines, text.count("\n") + 1)
-            ax.text(
-                (start + end) / 2, 0.985, text, transform=ax.get_xaxis_transform(),
-                ha="center", va="top", fontsize=10, color="#5c3d00", parse_math=False, linespacing=1.05,
-            )  # fmt: skip
-    return min(lines * 12.5 / (0.7 * height), 0.5)
+def ends(t: np.ndarray) -> tuple[float, float]:
+    """Return the first and the last finite time, s; 0 where there is none."""
+    found = finite([t])
+    return (float(found[0]), float(found[-1])) if found.size else (0.0, 0.0)
 
 
 def limits(ax: Axes, drawn: Sequence[np.ndarray], values: Sequence[float]) -> list[np.ndarray]:
     """Draw lines at `values` and return them for `fit_y`; those so far off that curves would go flat are only named."""
-    finite = np.concatenate(drawn)
-    finite = finite[np.isfinite(finite)]
-    reach = 2.0 * np.ptp(finite) if finite.size else 0.0
-    shown = [v for v in values if finite.size and np.abs(finite - v).min() <= reach]
+    found = finite(drawn)
+    reach = 2.0 * np.ptp(found) if found.size else 0.0
+    shown = [v for v in values if found.size and np.abs(found - v).min() <= reach]
     for value in shown:
-        ax.axhline(value, color="#555555", linestyle=(0, (4, 2)), linewidth=1.2, label="limit")
-    off = ", ".join(f"{v:+.3g}" for v in values if v not in shown)
-    if off:
-        ax.set_title(
-            f"off scale: limit {off}".replace("-", "\N{MINUS SIGN}"), loc="right", fontsize=10.5, color="#555555"
-        )
+        ax.axhline(value, label="limit", **LIMIT)
+    if off := ", ".join(_signed(v) for v in values if v not in shown):
+        remark(ax, f"off scale: limit {off}")
     return [np.array([v]) for v in shown]
 
 
@@ -225,10 +273,18 @@ def mark_entry(ax: Axes, t: np.ndarray, error: np.ndarray, band: float) -> None:
     )
 
 
-def note(ax: Axes, text: str) -> None:
-    """Write a remark into the middle of an empty panel."""
-    look: Any = {"ha": "center", "va": "center", "color": "#555555", "backgroundcolor": "white"}
-    ax.text(0.5, 0.5, text, transform=ax.transAxes, **look)
+def note(ax: Axes, text: str, height: float = 0.5) -> None:
+    """Write a remark into an empty panel, at a share of its height."""
+    box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+    ax.text(0.5, height, text, transform=ax.transAxes, ha="center", va="center", color=DARK, fontsize="small", bbox=box)
+
+
+def idle(size: float, unit: str) -> str:
+    """Return the remark on an observer whose estimate is nothing but rounding, at most `size`."""
+    if size == 0.0:
+        return "observer idle: its estimate is 0"
+    digit, exponent = f"{size:.0e}".split("e")
+    return rf"observer idle: at most ${digit}\cdot 10^{{{int(exponent)}}}$ {unit}"
 
 
 def absent(ax: Axes, text: str) -> None:
@@ -238,11 +294,18 @@ def absent(ax: Axes, text: str) -> None:
     ax.grid(False)
 
 
-def _wrapped(label: str, room: int) -> str:
-    parts = label.split("\n")
-    lines = [line for part in parts for line in textwrap.wrap(part, room, break_long_words=False)]
-    if max(map(len, lines), default=0) > 1.15 * room:
-        lines = [line for part in parts for line in textwrap.wrap(part, room)]
-    if len(lines) > 4:
-        lines = [*lines[:3], lines[3][: room - 3] + "..."]
-    return "\n".join(lines)
+def letters(ax: Axes, index: int, title: str, unit: str) -> None:
+    """Give a panel its letter (by `index`), title and unit."""
+    ax.set_title(f"({_LETTERS[index % len(_LETTERS)]}) {title}")
+    ax.set_ylabel(unit)
+
+
+def column(history: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """Return a column to draw, shape (n,): NaN where it is absent or has diverged."""
+    values = history.get(name, np.full(len(history["time_s"]), np.nan))
+    return np.where(np.abs(values) < _LARGEST, values, np.nan)
+
+
+def deg(history: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """Return a column in rad as deg, or in rad/s as deg/s; see `column`."""
+    return np.rad2deg(column(history, name))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,11 +19,11 @@ from uavftc.core.signals import SURFACES
 from uavftc.flight import named, requirements, servos
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
-from uavftc.flight.inputs import Inputs
 from uavftc.plants.jsbsim.model import notes
-from uavftc.results.context import FaultWindow, FigureContext
+from uavftc.results.context import FigureContext
 from uavftc.results.history import write_history
 from uavftc.results.summary import provenance, summary, title_of
+from uavftc.results.windows import windows_of
 from uavftc.scenario.controllers import CustomController
 from uavftc.scenario.load import controller_name, scenario_text, warnings
 from uavftc.scenario.schema import Scenario
@@ -94,33 +93,15 @@ class FlightResult(NamedTuple):
 
     def figure_context(self) -> FigureContext:
         """Return what the figures of this flight show next to its history."""
-        scenario, outcome = self.scenario, self.outcome
-        end = scenario.duration_s
-        faults: Sequence[Any] = scenario.faults  # their types are assembled from the effects when it runs
-        disturbances: Sequence[Any] = scenario.disturbances
-        edges = [(d.start_s, d.end_s) for d in disturbances]
-        changes = {end if edge is None else edge for pair in edges for edge in pair}
+        outcome = self.outcome
         title = title_of(self.summary())
         if not outcome.completed:
             title += f"\nLOST: {outcome.ended_because}" if outcome.ended_because else "\nLOST"
         return FigureContext(
             title=title,
             limits_rad=self._limits(),
-            faults=[
-                FaultWindow(
-                    shown,
-                    fault.start_s,
-                    end if fault.end_s is None else fault.end_s,
-                    own + fault.label,
-                    fault.known_from_s,
-                )
-                for fault in faults
-                if hasattr(fault, "surface")
-                for shown, own in self._shown_with(fault.surface)
-            ],
-            disturbances_s=sorted(edge for edge in changes if 0.0 < edge < end),
+            windows=windows_of(self.scenario, self.layout),
             controlled=controlled_of(self.axes),
-            wind=Inputs(scenario, np.zeros(3)).acts_on("wind_n"),
             signals=self.layout.signals,
         )
 
@@ -135,14 +116,6 @@ class FlightResult(NamedTuple):
         return {
             name: (float(pair[0]), float(pair[1])) if np.isfinite(pair).any() else None for name, pair in limits.items()
         }
-
-    def _shown_with(self, surface: str) -> list[tuple[str, str]]:
-        """Return with which axes and effectors a fault is shown, and what its label there begins with."""
-        layout = self.layout
-        members = list(layout.targets.get(surface, ()))
-        axes = [SURFACES[i] for i in range(3) if np.any(layout.mixing[members, i])]
-        shown = [*axes, *(layout.names[j] for j in members if layout.names[j] not in SURFACES)]
-        return [(name, "" if name == surface else f"{surface}: ") for name in shown]
 
     def write_history(self, path: Path) -> None:
         """Write `history.parquet`, to the byte as a flight streams it; the history must have been kept."""

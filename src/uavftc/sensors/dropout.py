@@ -66,6 +66,12 @@ class Dropout(Window):
     mean_between_s: Positive | None = None
     """mean length of the times between them"""
 
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        lost = "lost" if self.mean_lost_s is None else "lost at times"
+        return f"{lost}, {'holds' if self.mode == 'hold' else 'shows 0'}"
+
     @model_validator(mode="after")
     def _both_means(self) -> Dropout:
         missing = [name for name in ("mean_lost_s", "mean_between_s") if getattr(self, name) is None]

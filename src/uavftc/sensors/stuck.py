@@ -49,12 +49,22 @@ class StuckAttitude(Stuck):
     at_deg: Number | None = None
     """at which angle; `null` is where it is"""
 
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return "stuck" if self.at_deg is None else f"stuck at {self.at_deg:g} deg"
+
 
 class StuckGyro(Stuck):
     """A measured rate that is stuck."""
 
     at_degps: Number | None = None
     """at which rate; `null` is where it is"""
+
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return "stuck" if self.at_degps is None else f"stuck at {self.at_degps:g} deg/s"
 
 
 class Config(Model):

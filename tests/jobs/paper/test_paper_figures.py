@@ -103,14 +103,19 @@ def test_tracking_has_three_lettered_panels_in_degrees_and_the_errors_next_to_th
     assert titles(figure)[1::2] == ["Roll error", "Pitch error", "Yaw error"]
     assert units(figure)[::2] == [r"$\phi$ [deg]", r"$\theta$ [deg]", r"$\psi$ [deg]"]
     assert {ax.get_xlabel() for ax in figure.axes[-2:]} == {"time [s]"}
-    assert figure.axes[0].lines[-1].get_ydata()[0] == pytest.approx(5.0)  # the reference
+    (reference,) = (line for line in figure.axes[0].lines if line.get_label() == "reference")
+    assert reference.get_ydata()[0] == pytest.approx(5.0)
     assert all(ax.get_yscale() == "log" for ax in figure.axes[1::2])
     assert "analytic model" in figure.get_suptitle()
     names = {
         3: ["without saturation", "with saturation (coincides)"],
         6: ["NNDONDI-L1", "NDI-L1 (coincides with NNDONDI-L1)", "NNDONDI-MRAC"],
     }
-    assert legend(figure) == [*names[min(number, 6)], "reference", "error within 0.02 deg"]
+    faults = ["fault on a surface"] if number == 9 else []  # scenario 3 alone has any
+    assert legend(figure) == [*names[min(number, 6)], "reference", *faults, "error within 0.02 deg"]
+    shown = [[(p.get_x(), p.get_x() + p.get_width()) for p in ax.patches if p.get_x() > -1] for ax in figure.axes[::2]]
+    both, late = [(0.0, 8.0), (8.0, 12.0)], [(8.0, 12.0)]  # of aileron and elevator, and of the rudder
+    assert shown == ([both, both, late] if faults else [[], [], []])
 
 
 def test_a_curve_that_does_not_coincide_is_not_said_to(flights):

@@ -12,24 +12,22 @@ from matplotlib.ticker import MaxNLocator
 
 from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG
 from uavftc.analysis.smooth_saturation import saturated, smooth
-from uavftc.core.signals import AXES, SURFACES
+from uavftc.core.signals import ANGLES, AXES, RATES, SURFACES
 from uavftc.jobs.campaign.pool import Flown
 from uavftc.jobs.paper.captions import HEADINGS
 from uavftc.report import panels
 from uavftc.report.chatter import chatter
-from uavftc.report.distance import ANGLES, RATES, attitude_difference
-from uavftc.report.figures import column, deg
-from uavftc.report.panels import BLACK, BLUE, GREEN, PURPLE, VERMILLION
+from uavftc.report.distance import attitude_difference
+from uavftc.report.palette import BLACK, BLUE, DARK, DASHED, DOTTED, PURPLE, THREE, VERMILLION
+from uavftc.report.panels import IDLE_DEGPS, column, deg
+from uavftc.report.strip import mark
+from uavftc.results.context import FigureContext
+from uavftc.results.windows import windows_of
 
 WIDTH_IN = 170 / 25.4  # text width of a page
-SOLID: Any = "-"
-DASHED: Any = (0, (4, 1.5))
-DOTTED: Any = (0, (1, 1))
-DASHDOT: Any = (0, (5, 1.3, 1, 1.3))
-_IDLE_DEGPS = 1e-3  # an observer whose estimate stays below is idle: the commanded rates are 2.5 deg/s
 _SAME_DEG = 1e-4  # curves nearer than this are the same to the eye, on every scale drawn
 _PLANTS = {"jsbsim": "JSBSim", "analytic": "analytic model"}
-_REFERENCE = {"color": BLACK, "linestyle": (0, (2, 2)), "linewidth": 0.7, "zorder": 3}
+_REFERENCE: dict[str, Any] = {"color": BLACK, "linestyle": (0, (2, 2)), "linewidth": 0.7, "zorder": 3}
 
 Key = tuple[str, str]
 """(scenario, controller)."""
@@ -60,7 +58,7 @@ def figure_2(h: Callable[[np.ndarray, float, float], np.ndarray] = smooth) -> Fi
     ax.plot(v, saturated(v, -0.5, 1.0), color=BLUE, linewidth=1.6, label="sat($v_2$)")
     ax.plot(v, h(v, -0.5, 1.0), color=VERMILLION, linestyle=DASHED, linewidth=1.6, label="h($v_2$)")
     for limit, end, offset, edge in ((1.0, "max", 3, "bottom"), (-0.5, "min", -3, "top")):
-        ax.axhline(limit, color="#555555", linestyle=DOTTED, linewidth=0.8, zorder=1)
+        ax.axhline(limit, color=DARK, linestyle=DOTTED, linewidth=0.8, zorder=1)
         name = rf"$u_{{2\,\mathrm{{{end}}}}}$ = {limit:g}".replace("-", "\N{MINUS SIGN}")
         ax.annotate(name, (0.0, limit), xytext=(0, offset), textcoords="offset points", ha="center", va=edge)
     ax.set(xlim=(-2.0, 2.0), ylim=(-0.75, 1.25), xlabel="$v_2$ [-]", ylabel="sat($v_2$), h($v_2$) [-]")
@@ -90,6 +88,8 @@ def tracking(number: int, flown: Mapping[Key, Flown], curves: list[Curve]) -> Fi
         right.axhspan(1e-9, CONVERGENCE_BAND_DEG, color=PURPLE, alpha=0.15, linewidth=0, label=band)
         right.set_yscale("log")
         right.set_ylim(1e-4, 10.0)
+        for ax in (left, right):
+            mark(ax, _windows(flown[curves[0].key]), angle, plain=True)
         left.set_title(f"({'abc'[i]}) {axis.capitalize()} angle")
         left.set_ylabel(rf"$\{angle}$ [deg]")
         right.set_title(f"{axis.capitalize()} error")
@@ -113,13 +113,15 @@ def control(number: int, flown: Mapping[Key, Flown], four: tuple[Panel, ...]) ->
         limits = np.unique(flight.scenario.limits_rad()) if panel.inner else np.empty(0)
         limits = limits[np.isfinite(limits)]
         for limit in limits:
-            ax.axhline(limit, color="#444444", linestyle=DOTTED, linewidth=0.9, label="saturation limit")
-        panels.fit_y(ax, [*drawn, limits], least=0.05)
-        panels.cut(ax, drawn, list(limits))
+            ax.axhline(limit, color=DARK, linestyle=DOTTED, linewidth=0.9, label="saturation limit")
+        panels.fit_y(ax, drawn, least=0.05, keep=[limits])
+        panels.cut(ax, list(limits))
         _name(ax, i, panel, flight, "$v_2$ [rad]" if panel.inner else "$v_1$ [deg/s]")
     for inner in (False, True):
         _same_scale([ax for ax, panel in zip(axes.flat, four, strict=True) if panel.inner == inner])
-    _legend(fig, axes, columns=5)
+    for ax, panel in zip(axes.flat, four, strict=True):
+        mark(ax, _windows(flown[panel.key]), *SURFACES, plain=True)
+    _legend(fig, axes, columns=3)
     return fig
 
 
@@ -134,16 +136,16 @@ def estimates(number: int, flown: Mapping[Key, Flown], four: tuple[Panel, ...]) 
         else:
             values = [deg(history, f"d1_hat_{angle}_radps") for angle in ANGLES]
         size = np.abs(np.nan_to_num(np.array(values))).max(axis=0, initial=0.0)
-        idle = not panel.inner and float(size.max()) < _IDLE_DEGPS
+        idle = not panel.inner and float(size.max()) < IDLE_DEGPS
         drawn = _three(ax, history["time_s"], values, AXES, draw=panels.curve if idle else chatter)
         panels.fit_y(ax, drawn, least=0.2)
         if idle:
-            look: Any = {"ha": "center", "va": "center", "fontsize": 7.5, "color": "#444444"}
-            ax.text(0.5, 0.78, f"observer idle: at most {_power(size.max())} deg/s", transform=ax.transAxes, **look)
+            panels.note(ax, panels.idle(size.max(), "deg/s"), height=0.78)
         elif size.max() > 8.0 * (usual := max(float(np.quantile(size, 0.9)), 0.1)):  # it would flatten all else
-            panels.cut(ax, drawn, (-usual, usual))
+            panels.cut(ax, (-usual, usual))
+        mark(ax, _windows(flight), *SURFACES, plain=True)
         _name(ax, i, panel, flight, r"$\hat f$ [deg/s$^2$]" if panel.inner else r"$\hat d_1$ [deg/s]")
-    _legend(fig, axes, columns=4)
+    _legend(fig, axes, columns=3)
     return fig
 
 
@@ -168,10 +170,9 @@ def _three(
     draw: Callable[..., np.ndarray] = chatter,
 ) -> list[np.ndarray]:
     """Draw the curves of roll, pitch and yaw."""
-    looks = zip((BLUE, VERMILLION, GREEN), (SOLID, DASHED, DASHDOT), (1.5, 1.2, 1.2), strict=True)
     return [
-        draw(ax, t, y, color=colour, linestyle=dash, linewidth=width, label=label)
-        for y, label, (colour, dash, width) in zip(values, labels, looks, strict=True)
+        draw(ax, t, y, **look, linewidth=width, label=label)
+        for y, label, look, width in zip(values, labels, THREE, (1.5, 1.2, 1.2), strict=True)
     ]
 
 
@@ -191,12 +192,9 @@ def _coincides(flown: Mapping[Key, Flown], key: Key, curves: list[Curve]) -> str
     return f" (coincides{f' with {first.label}' if len(curves) > 2 else ''})" if apart < _SAME_DEG else ""
 
 
-def _power(value: float) -> str:
-    """Return a small number with one digit, as a power of ten."""
-    if value == 0.0:
-        return "0"
-    digit, exponent = f"{value:.0e}".split("e")
-    return rf"${digit}\cdot 10^{{{int(exponent)}}}$"
+def _windows(flight: Flown) -> FigureContext:
+    """Return what is shaded in the panels of a flight."""
+    return FigureContext("", windows=windows_of(flight.scenario, flight.layout))
 
 
 def _same_scale(axes: list[Axes]) -> None:

@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 
 from uavftc.jobs.campaign.pool import Flown
 from uavftc.jobs.paper.captions import CAPTIONS, HEADINGS
-from uavftc.jobs.paper.drawing import DASHDOT, DASHED, Curve, Key, Panel, control, estimates, figure_2, tracking
+from uavftc.jobs.paper.drawing import Curve, Key, Panel, control, estimates, figure_2, tracking
 from uavftc.jobs.paper.plan import L1, MRAC, NDI_L1
 from uavftc.report import panels
-from uavftc.report.panels import BLUE, GREEN, VERMILLION
+from uavftc.report.palette import BLUE, DASHDOT, DASHED, GREEN, VERMILLION
 
 __all__ = ["CAPTIONS", "PRINT", "draw", "figure_2", "write_figures"]
 
