@@ -133,6 +133,22 @@ def test_a_rate_that_a_servo_never_reaches_is_worth_a_warning_and_one_that_it_do
     np.testing.assert_array_equal(fast["x1"], records["x1"])
 
 
+@pytest.mark.parametrize(
+    "fault", ["backlash, width_deg: 5e-324", "delay, delay_s: 5e-324", "deadband, width_deg: 5e-324"]
+)
+def test_a_fault_of_a_servo_that_is_too_small_for_a_number_is_worth_a_warning_too(fault):
+    overrides = [f"faults=[{{surface: rudder, kind: {fault}}}]", "duration_s=0.1"]
+    _, outcome = fly_to_memory(build_flight(load_scenario("scenario1", overrides=overrides)))
+    assert outcome.remarks == ("faults[0]: changed nothing: the rudder did what it would have done without it",)
+
+
+@pytest.mark.parametrize("end", ["1e25", "1.7e308"])
+def test_a_window_may_end_long_after_every_flight(end):
+    overrides = [f"faults=[{{kind: loss, engine: 1, end_s: {end}}}]", f"damage=[{{mass_kg: -1, end_s: {end}}}]"]
+    flight = build_flight(load_scenario("scenario1", overrides=[*overrides, "duration_s=0.1", "controller.rate_hz=70"]))
+    assert fly_to_memory(flight)[1].completed
+
+
 def test_a_fault_that_changed_something_is_not():
     _, _, outcome = flown("scenario1", "jsbsim", None, (LEFT.format("stuck"), "duration_s=4"))
     assert outcome.remarks == ()

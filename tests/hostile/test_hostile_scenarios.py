@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import pytest
 
+from hostile.beyond_files import beyond_cases
 from hostile.scenario_files import MALFORMED, OPTION_KEYS, Case, option_cases, scenario_cases
 from uavftc.errors import CombinedInputError, InputError
 from uavftc.flight.build import build_flight
@@ -117,6 +118,24 @@ def report(what: str, results: list[Result], defects: list[str]) -> None:
 def files(tmp_path_factory: pytest.TempPathFactory) -> list[Result]:
     folder = tmp_path_factory.mktemp("files")
     return [tried(case, folder) for case in scenario_cases(SEED)]
+
+
+@pytest.fixture(scope="module")
+def beyond(tmp_path_factory: pytest.TempPathFactory) -> list[Result]:
+    folder = tmp_path_factory.mktemp("beyond")
+    return [tried(case, folder) for case in beyond_cases(SEED)]
+
+
+def test_every_hostile_fault_servo_sensor_damage_or_air_is_refused_or_round_trips(beyond: list[Result]) -> None:
+    assert len(beyond) >= 2000
+    defects = [f"{t.case.name}: {t.defect}" for t in beyond if t.defect]
+    report("hostile faults, servos, sensors, damage, air", beyond, defects)
+    assert 0.1 < sum(t.loaded is not None for t in beyond) / len(beyond) < 0.9
+
+
+def test_what_loads_of_them_is_built_and_flown_or_refused(beyond: list[Result]) -> None:
+    some = [t for t in beyond if t.loaded is not None]
+    report("flown for a moment", some, [f"{t.case.name}: {d}" for t in some if t.loaded and (d := flown(t.loaded))])
 
 
 def test_every_hostile_file_is_refused_in_one_message_or_round_trips(files: list[Result]) -> None:

@@ -71,6 +71,12 @@ def test_a_window_begins_at_the_same_row_as_that_of_a_signal(rate):
         assert row_at(time, rate) == np.searchsorted(t, time)
 
 
+@pytest.mark.parametrize("time", [1e16, 1e25, 1.7e308])
+def test_a_time_beyond_every_row_is_never(time):
+    # 7.3 Hz: the double nearest to a row would be searched for, one row after the other; 1.7e308 s has no row at all
+    assert row_at(time, 7.3) == row_at(time, 1e4) == 2**53
+
+
 @pytest.mark.parametrize(
     ("section", "expected"),
     [

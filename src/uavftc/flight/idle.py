@@ -59,6 +59,8 @@ class Idle:
             return self._changed[i]
         program = self._flight.program
         if (servo := OF_SERVO.get(type(entry))) is not None:
+            if servo.stage.name not in program.names:  # too small a change for a number: 5e-324 deg
+                return 0.0
             return farthest(program[servo.stage.name], servo.FIRST, type(entry), i, self._flight.given)
         name = f"{entry.kind} {place}"
         if name not in program.names:

@@ -13,6 +13,8 @@ from uavftc.core.program import Program
 Fly = Callable[[Program, np.ndarray, int, int], int]
 """fly(program, rows, first, last): as `Plant.run`."""
 Change = Callable[[], None]
+NEVER = 2**53
+"""A row that no flight reaches; beyond it a double cannot tell one row from the next."""
 
 
 class Struck(NamedTuple):
@@ -35,7 +37,9 @@ def struck_by(damage: Sequence[Any], rate_hz: float) -> tuple[Struck, ...]:
 
 
 def row_at(time_s: float, rate_hz: float) -> int:
-    """Return the first row k at or after a time, s, with the samples at k / rate."""
+    """Return the first row k at or after a time, s, with the samples at k / rate; NEVER where that is beyond it."""
+    if time_s * rate_hz >= NEVER:
+        return NEVER
     k = max(0, math.ceil(time_s * rate_hz) - 1)
     while k / rate_hz < time_s:
         k += 1
