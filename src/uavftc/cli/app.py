@@ -17,8 +17,9 @@ from uavftc.cli.margin import margin
 from uavftc.cli.outcome import exit_codes
 from uavftc.cli.process import run
 from uavftc.cli.reproduce import reproduce
+from uavftc.cli.sweep import sweep
 
-COMMANDS = (fly, design, aircraft, reproduce, compare, margin, bench)
+COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, bench)
 """The commands of `uavftc`, in the order in which its help lists them."""
 
 _SETTINGS: dict[str, Any] = {

@@ -32,11 +32,21 @@ def changed(scenario: Scenario, values: Mapping[str, Any], where: str = "") -> S
         If a key does not exist or a value is wrong.
     """
 
-    def edit(document: Document) -> None:
+    return Changing(scenario)(values, where)
+
+
+class Changing:
+    """A scenario that is changed many times, each time from what it is; what it says is read out of it once."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._data = scenario.model_dump()
+
+    def __call__(self, values: Mapping[str, Any], where: str = "") -> Scenario:
+        """Return it with other values at dotted keys; arguments and errors as those of `changed`."""
+        document = Document(_lists(self._data), where or "a change of the scenario")
         for key, value in values.items():
             put(document, key, value, where or f"{key} = {value}"[:200])
-
-    return remade(scenario, edit, where or "a change of the scenario")
+        return _made(document)
 
 
 def remade(scenario: Scenario, edit: Callable[[Document], None], where: str) -> Scenario:
@@ -49,6 +59,10 @@ def remade(scenario: Scenario, edit: Callable[[Document], None], where: str) -> 
     """
     document = Document(_lists(scenario.model_dump()), where)
     edit(document)
+    return _made(document)
+
+
+def _made(document: Document) -> Scenario:
     try:
         made = Scenario.model_validate(document.data)
     except ValidationError as error:

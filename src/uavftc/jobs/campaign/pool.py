@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 
+import numpy as np
+
 from uavftc.analysis.metrics import metrics_of
-from uavftc.flight.build import build_flight
+from uavftc.flight.build import Flight, build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.flight.recorder import published
 from uavftc.flight.trusted import TrustedRange
@@ -37,15 +39,28 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     """
     flight = build_flight(scenario)
     origin = origin_of(flight)
-    records, outcome = fly_to_memory(flight)
-    axes = metrics_of(records, completed=outcome.completed, controlled=flight.given.axes)
+    records, result = judged(flight)
     trusted = TrustedRange(flight.aircraft.trusted)
     trusted.take(records)
+    history = published(records, flight.columns) if keep_history else None
+    return result._replace(history=history, origin=origin, remarks=(*notes_of(flight), *trusted.remarks()))
+
+
+def judged(flight: Flight) -> tuple[np.ndarray, FlightResult]:
+    """Fly a flight and return its rows and what came of it, without history, origin and remarks.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C.
+    """
+    records, outcome = fly_to_memory(flight)
+    axes = metrics_of(records, completed=outcome.completed, controlled=flight.given.axes)
     monitor = flight.monitor()
     monitor.take(records)
-    history = published(records, flight.columns) if keep_history else None
-    remarks = (*notes_of(flight), *trusted.remarks())
-    return FlightResult(flight.scenario, outcome, axes, history, origin, remarks, flight.layout, tuple(monitor.found()))
+    return records, FlightResult(
+        flight.scenario, outcome, axes, None, {}, layout=flight.layout, met=tuple(monitor.found())
+    )
 
 
 def _fly_some(scenarios: Sequence[Scenario], keep_history: bool) -> list[FlightResult]:
@@ -94,7 +109,7 @@ def fly_all(
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
         chunk = max(1, len(rest) // (8 * workers))
         try:
-            with Hold(signal.SIGINT), _ctrl_c_is_for_this_process():  # the workers start within, all of them
+            with Hold(signal.SIGINT), ctrl_c_is_for_this_process():  # the workers start within, all of them
                 flying = [pool.submit(_fly_some, rest[i : i + chunk], keep_history) for i in range(0, len(rest), chunk)]
             for some in flying:
                 done += some.result()
@@ -109,7 +124,7 @@ def fly_all(
 
 
 @contextmanager
-def _ctrl_c_is_for_this_process() -> Iterator[None]:
+def ctrl_c_is_for_this_process() -> Iterator[None]:
     """Let what is started within never see a Ctrl-C, which a terminal sends to all: this process ends them itself.
 
     A process begins with the signals blocked that were blocked where it was started, even before its imports.

@@ -1,0 +1,79 @@
+"""`uavftc sweep CAMPAIGN`: thousands of flights, each a row of one table."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from uavftc.cli.outcome import UNEXPECTED
+
+
+def sweep(
+    campaign: Annotated[
+        str, typer.Argument(metavar="CAMPAIGN", help="A campaign file, or the name of a shipped one (paper-faults).")
+    ],
+    workers: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(min=1, metavar="N", help="Processes; default: as many as cores. The table does not depend on it."),
+    ] = None,
+    out: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(metavar="DIR", help="Result folder; default results/sweep-<campaign>."),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Fly only what is missing in DIR.")] = False,
+    overrides: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--set", metavar="KEY=VALUE", help="Change one value of the campaign, such as cases=60."),
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Show the first cases, the count and an estimate; write nothing.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Fly every case of CAMPAIGN by every controller, and write flights.parquet: a row a flight.
+
+    Exit code 0: all flown, whatever came of them. 2: the input is wrong, nothing is written. 130: Ctrl-C; what was
+    finished is kept, and --resume flies the rest.
+    """
+    from uavftc.core.stage import is_compiled  # noqa: PLC0415
+    from uavftc.jobs.campaign.sweep import Sweep, ready  # noqa: PLC0415
+    from uavftc.report.rate import Rate  # noqa: PLC0415
+    from uavftc.scenario.campaign import find_campaign, load_campaign  # noqa: PLC0415
+
+    made = ready(load_campaign(campaign, overrides or ()))
+    if dry_run:
+        from uavftc.jobs.campaign.dry_run import lines  # noqa: PLC0415
+
+        for text in lines(made, workers):
+            print(text)
+        return
+    folder = out if out is not None else Path("results") / f"sweep-{made.campaign.name}"
+    job = Sweep(made, folder, resume=resume, inputs=(find_campaign(campaign), made.campaign.base_file))
+    if not quiet and not is_compiled():
+        print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
+    rate = Rate()
+    try:
+        summary = job.fly(workers=workers, progress=None if quiet else rate)
+    except (KeyboardInterrupt, OSError) as error:
+        rate.end()
+        if job.begun:
+            kept = f"{job.done} of {made.flights} flights are kept in {folder}; --resume flies the rest"
+            if isinstance(error, OSError):
+                print(f"error: {error.strerror or error}; {kept}", file=sys.stderr)
+                raise typer.Exit(UNEXPECTED) from None
+            print(kept, file=sys.stderr)
+        raise
+    rate.end()
+    if quiet:
+        return
+    if job.torn:
+        print(f"warning: {job.torn} torn part(s) of the table were flown again", file=sys.stderr)
+    from uavftc.report.console import Terminal  # noqa: PLC0415
+    from uavftc.report.sweep_text import print_sweep  # noqa: PLC0415
+
+    console = Terminal()
+    print_sweep(console, summary)
+    console.print(f"results: {folder}", soft_wrap=True)

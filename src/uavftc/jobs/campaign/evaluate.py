@@ -1,0 +1,160 @@
+"""One flight of a campaign in a worker: from the values of its case to a row of the table.
+
+A worker keeps the variants' scenarios; what it reads, trims and compiles for one flight is there for the next.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from multiprocessing import parent_process
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from uavftc.analysis.metrics import METRICS, controlled_of
+from uavftc.analysis.verdict import SURVIVED
+from uavftc.core.signals import AXES
+from uavftc.errors import InputError
+from uavftc.flight.build import build_flight
+from uavftc.flight.recorder import published
+from uavftc.jobs.campaign.pool import judged
+from uavftc.jobs.campaign.variants import Variant, reached
+from uavftc.results.flight import FlightResult, origin_of
+from uavftc.scenario.changed import Changing
+
+ERROR = "error"
+"""Outcome of a flight that could not be flown, whose worker died, or that took too long."""
+METRIC_COLUMNS = tuple(f"{axis}_{metric.name}" for axis in AXES for metric in METRICS)
+
+
+class Job(NamedTuple):
+    """One flight that is to be flown."""
+
+    case: int
+    variant: int
+    """Its place in the list of variants."""
+    values: Mapping[str, Any]
+    """Of the varied keys."""
+
+
+class Plan(NamedTuple):
+    """What a worker is given once."""
+
+    variants: Sequence[Variant]
+    success: Mapping[str, float] | None
+    """Greatest values of metrics, or None for outcome `survived`."""
+    histories: str
+    """`none`, `failures` or `all`."""
+    folder: Path | None
+    """Where histories are written."""
+
+
+_plan: Plan | None = None
+_changing: list[Changing] = []
+
+
+def prepare(plan: Plan) -> None:
+    """Take in what all flights of this worker share, and end with the process that started it.
+
+    It does next to nothing: a worker that dies here would take a flight with it that nobody waits for.
+    """
+    global _plan  # noqa: PLW0603 - a worker flies for one campaign
+    _plan = plan
+    _changing[:] = [Changing(variant.scenario) for variant in plan.variants]
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: Any) -> None:
+    parent.join()  # a parent that was killed ends nobody
+    os._exit(1)
+
+
+def evaluate(job: Job) -> dict[str, Any]:
+    """Fly one case by one variant, and return its row."""
+    assert _plan is not None
+    started = time.perf_counter()
+    row = row_of(_plan.variants[job.variant], job)
+    try:
+        scenario = _changing[job.variant](job.values)
+        flight = build_flight(scenario)
+        if lost := reached(flight.scenario, job.values):
+            return row | {"reason": f"{', '.join(lost)} did not reach the flight", "wall_s": _since(started)}
+        records, result = judged(flight)
+    except InputError as error:
+        return row | {"reason": _short(error), "wall_s": _since(started)}
+    except (ArithmeticError, ValueError, RuntimeError, TypeError, AttributeError, LookupError) as error:
+        reason = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
+        return row | {"reason": reason, "wall_s": _since(started)}
+    row |= _results(result, _plan.success)
+    keep = _plan.histories == "all" or (_plan.histories == "failures" and not row["success"])
+    if keep and _plan.folder is not None:
+        whole = result._replace(history=published(records, flight.columns), origin=origin_of(flight))
+        write_history(whole, _plan.folder / history_name(_plan.variants, job))
+    return row | {"wall_s": _since(started), "wall_loop_s": result.outcome.wall_s}
+
+
+def row_of(variant: Variant, job: Job) -> dict[str, Any]:
+    """Return the row of a flight of which nothing is known yet: an error."""
+    return {
+        "case": job.case,
+        "controller": variant.controller,
+        "plant": variant.plant,
+        "aircraft": variant.aircraft,
+        **job.values,
+        "outcome": ERROR,
+    }
+
+
+def _results(result: FlightResult, success: Mapping[str, float] | None) -> dict[str, Any]:
+    verdict, outcome = result.verdict, result.outcome
+    assert verdict is not None  # no user ends a single flight of a campaign
+    axes = {f"{axis}_{metric.name}": result.axes[axis].get(metric.name) for axis in AXES for metric in METRICS}
+    return {
+        "outcome": verdict.outcome,
+        "success": verdict.outcome == SURVIVED if success is None else succeeded(result, success),
+        "margin": verdict.margin,
+        "limiting": verdict.limiting,
+        **axes,
+        "ended_at_s": outcome.ended_at_s,
+        "reason": outcome.ended_because,
+    }
+
+
+def succeeded(result: FlightResult, success: Mapping[str, float]) -> bool:
+    """Return whether a flight completed, and every metric named is at most its limit on every controlled axis."""
+    controlled = controlled_of(result.axes)
+    axes = [axis for axis, own in zip(AXES, controlled, strict=True) if own]
+    values = [(result.axes[axis][name], limit) for axis in axes for name, limit in success.items()]
+    return result.outcome.completed and all(value is not None and value <= limit for value, limit in values)
+
+
+def history_name(variants: Sequence[Variant], job: Job) -> str:
+    """Return the name of a flight's history: case and controller, then plant and aircraft where there are several."""
+    variant, name = variants[job.variant], f"{job.case:06d}-{variants[job.variant].controller}"
+    for part in ("plant", "aircraft"):
+        if len({getattr(one, part) for one in variants}) > 1:
+            name += f"-{Path(getattr(variant, part)).name}".replace(":", "-")
+    return f"{name}.parquet"
+
+
+def write_history(result: FlightResult, path: Path) -> None:
+    """Write a history whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        result.write_history(partial)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _short(error: InputError) -> str:
+    return f"{error.where}: found {error.found}, expected {error.expected}"[:500]
+
+
+def _since(started: float) -> float:
+    return time.perf_counter() - started

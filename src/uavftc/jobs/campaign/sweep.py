@@ -1,0 +1,278 @@
+"""A campaign flown: into a folder that can be left at any moment and gone on with, and sorted when it is complete.
+
+campaign.json      what the campaign is; it is there first
+parts/             rows of the flights that ended, until all have
+histories/         of the flights that keep theirs
+flights.parquet    the sorted table, when all flights have ended
+summary.json       how they ended, and the checksum of each file; it is there last
+"""
+
+from __future__ import annotations
+
+import heapq
+import json
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uavftc.errors import InputError
+from uavftc.jobs.campaign.cases import Cases
+from uavftc.jobs.campaign.engine import Engine
+from uavftc.jobs.campaign.evaluate import Job, Plan
+from uavftc.jobs.campaign.identity import FILE, differences, identity
+from uavftc.jobs.campaign.table import PARTS, Table, schema_of
+from uavftc.jobs.campaign.variants import Variant, refuse, variants_of
+from uavftc.results import manifest
+from uavftc.results.folder import ResultFolder
+from uavftc.results.hold import Hold
+from uavftc.results.lock import Lock, NotOursError, TakenError
+from uavftc.results.summary import write_json
+from uavftc.scenario.campaign import Campaign, Worst
+
+PART_ROWS = 2000  # rows in a part at most
+PART_S = 5.0  # time after which a part is written: what a killed campaign loses
+_SHOWN = 8  # differences shown
+
+Progress = Callable[[int, int, int], None]
+"""Called with flights done, how many there are, and failures so far."""
+
+
+class Ready(NamedTuple):
+    """A campaign that is checked."""
+
+    campaign: Campaign
+    variants: list[Variant]
+    cases: Cases
+
+    @property
+    def flights(self) -> int:
+        """How many flights it has."""
+        return self.cases.count * len(self.variants)
+
+
+def ready(campaign: Campaign) -> Ready:
+    """Return a campaign with its variants and cases, after its first case and the ends of its ranges were tried.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong with it.
+    """
+    made = Ready(campaign, variants_of(campaign), Cases(campaign))
+    refuse(campaign, made.variants, made.cases)
+    return made
+
+
+class Sweep:
+    """A campaign and the folder it is flown into.
+
+    Parameters
+    ----------
+    made
+        From `ready`.
+    out
+        The folder; an older result in it is replaced if it is ours and complete.
+    resume
+        Go on with what is there.
+    inputs
+        Files that the campaign came from; a folder that holds one of them is not replaced.
+    """
+
+    def __init__(self, made: Ready, out: Path, *, resume: bool = False, inputs: tuple[Path, ...] = ()) -> None:
+        self.made, self.folder, self._resume = made, Path(os.path.realpath(out)), resume
+        self._shown, self._inputs = str(out), inputs
+        self.done, self.torn, self.begun = 0, 0, False
+        self._tally: Counter[tuple[str, str]] = Counter()
+        self._succeeded: Counter[str] = Counter()
+        histories = made.campaign.histories
+        self._keep = histories.worst if isinstance(histories, Worst) else 0
+        self._worst: list[tuple[float, int, int]] = []
+
+    def fly(self, *, workers: int | None = None, progress: Progress | None = None) -> dict[str, Any]:
+        """Fly what is missing and return the document of `summary.json`.
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written, or holds another campaign; nothing is changed then.
+        KeyboardInterrupt
+            On Ctrl-C; what was finished is on disk.
+        OSError
+            If there is no room; what was finished before is on disk.
+        """
+        document = identity(self.made.campaign, self.made.variants)
+        self._look(document)
+        lock = Lock(self.folder)
+        try:
+            self.folder.parent.mkdir(parents=True, exist_ok=True)
+            lock.take()
+        except (TakenError, NotOursError):
+            raise self._error(
+                "another uavftc that is writing to it just now",
+                "one job at a time",
+                "wait until it has ended, or name another folder with --out",
+            ) from None
+        try:
+            if self._finished(document):
+                return manifest.read_summary(self.folder) or {}
+            if not self._resume:
+                manifest.remove_ours(self.folder)
+            (self.folder / PARTS).mkdir(parents=True, exist_ok=True)
+            _write_whole(self.folder / FILE, document)
+            self.begun = True
+            return self._fly(document, workers or usable_cores(), progress or _silent)
+        finally:
+            lock.release()
+
+    def _look(self, document: dict[str, Any]) -> None:
+        """Refuse a folder that is not ours, one that holds an unfinished campaign, and another campaign's."""
+        there = self._there()
+        if self._resume and there is None:
+            remedy = "leave --resume out, or name the folder of the campaign with --out"
+            raise self._error(f"no {FILE} in it", "a folder in which this campaign was begun", remedy)
+        if self._resume:
+            found = list(differences(there, document))
+            if found:
+                more = [f"and {len(found) - _SHOWN} more"] if len(found) > _SHOWN else []
+                raise self._error(
+                    f"another campaign: {'; '.join([*found[:_SHOWN], *more])}",
+                    "the same file, base, aircraft, code and versions, so that all rows are of one campaign",
+                    "put back what differs, or name another folder with --out and begin anew",
+                )
+        elif there is not None and manifest.read_summary(self.folder) is None:
+            remedy = "go on with it (--resume), name another folder with --out, or remove it"
+            raise self._error("an unfinished campaign", "a new folder", remedy)
+        else:
+            ResultFolder(self.folder, self._inputs).check()
+
+    def _there(self) -> dict[str, Any] | None:
+        try:
+            document = json.loads((self.folder / FILE).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        return document if isinstance(document, dict) else None
+
+    def _finished(self, document: dict[str, Any]) -> bool:
+        return self._resume and manifest.read_summary(self.folder) is not None and self._there() == document
+
+    def _fly(self, document: dict[str, Any], workers: int, progress: Progress) -> dict[str, Any]:
+        campaign, variants, cases = self.made
+        table = Table(self.folder, schema_of(campaign), variants)
+        flown = np.zeros((cases.count, len(variants)), dtype=bool)
+        self.torn = table.read_parts(flown)
+        self.done = int(flown.sum())
+        for controller, outcome, success, margin, case, place in table.outcomes():
+            self._count(controller, outcome, success, margin, case, place)
+        progress(self.done, self.made.flights, self.failures)
+        keep = "none" if self._keep else str(campaign.histories)
+        plan = Plan(variants, campaign.success, keep, self.folder / "histories")
+        jobs = (
+            Job(case, place, cases.values(case))
+            for case in range(cases.count)
+            if not flown[case].all()
+            for place in range(len(variants))
+            if not flown[case, place]
+        )
+        try:
+            with Engine(plan, workers, campaign.timeout_s) as engine:
+                self._take(engine.fly(jobs), table, progress)
+        except BaseException:
+            with Hold():
+                table.flush()
+            raise
+        self._fly_worst(plan, workers)
+        table.merge(cases.count)
+        return self._end(table, document)
+
+    def _take(self, rows: Iterator[dict[str, Any] | None], table: Table, progress: Progress) -> None:
+        written = time.monotonic()
+        for row in rows:
+            if row is not None:
+                with Hold():
+                    table.add(row)
+                    self.done += 1
+                    place = table.place(row)
+                    counted = (row["controller"], row["outcome"], row.get("success"), row.get("margin"), row["case"])
+                    self._count(*counted, place)
+            progress(self.done, self.made.flights, self.failures)
+            if table.waiting >= PART_ROWS or (table.waiting and time.monotonic() - written > PART_S):
+                with Hold():
+                    table.flush()
+                written = time.monotonic()
+        with Hold():
+            table.flush()
+
+    def _count(
+        self, controller: str, outcome: str, success: bool | None, margin: float | None, case: int, place: int
+    ) -> None:
+        self._tally[controller, outcome] += 1
+        self._succeeded[controller] += bool(success)
+        if self._keep and margin is not None:  # a heap of the smallest margins, the greatest of them on top
+            push = heapq.heappushpop if len(self._worst) >= self._keep else heapq.heappush
+            push(self._worst, (-margin, -case, -place))
+
+    @property
+    def failures(self) -> int:
+        """Flights so far that are no success."""
+        return self.done - sum(self._succeeded.values())
+
+    def _fly_worst(self, plan: Plan, workers: int) -> None:
+        """Fly those with the smallest margins once more, for their histories."""
+        if self._worst:
+            jobs = (Job(-c, -p, self.made.cases.values(-c)) for _, c, p in sorted(self._worst, reverse=True))
+            with Engine(plan._replace(histories="all"), workers, self.made.campaign.timeout_s) as engine:
+                for _ in engine.fly(jobs):
+                    pass
+
+    def _end(self, table: Table, document: dict[str, Any]) -> dict[str, Any]:
+        """Write the summary, which makes the campaign complete, and remove the parts."""
+        names = sorted({variant.controller for variant in self.made.variants})
+        outcomes = sorted({outcome for _, outcome in self._tally})
+        flights = {name: sum(n for (of, _), n in self._tally.items() if of == name) for name in names}
+        listed = manifest.checksums(self.folder)
+        summary: dict[str, Any] = {
+            "campaign": self.made.campaign.name,
+            "cases": self.made.cases.count,
+            "flights": self.done,
+            "controllers": {
+                name: {
+                    "flights": flights[name],
+                    "success": self._succeeded[name],
+                    **{outcome: self._tally[name, outcome] for outcome in outcomes},
+                }
+                for name in names
+            },
+            "provenance": {**document["versions"], "campaign_sha256": document["campaign_sha256"]},
+            "files": {name: sha for name, sha in listed.items() if not name.startswith(f"{PARTS}/")},
+        }
+        summary[manifest.OWN_CHECKSUM] = manifest.own_checksum(summary)
+        _write_whole(self.folder / manifest.SUMMARY, summary)
+        table.remove_parts()
+        return summary
+
+    def _error(self, found: str, expected: str, remedy: str) -> InputError:
+        return InputError(f"--out {self._shown}", found=found, expected=expected, remedy=remedy)
+
+
+def usable_cores() -> int:
+    """Return how many cores this process may use."""
+    count = getattr(os, "sched_getaffinity", None)
+    return len(count(0)) if count is not None else os.cpu_count() or 1
+
+
+def _write_whole(path: Path, document: dict[str, Any]) -> None:
+    partial = path.with_name(f".{path.name}")
+    try:
+        write_json(partial, document)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _silent(done: int, total: int, failures: int) -> None:
+    pass
