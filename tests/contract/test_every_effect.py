@@ -18,7 +18,7 @@ from uavftc.actuators.saturation import SurfaceLimits
 from uavftc.config.described import descriptions
 from uavftc.config.effect import config_of
 from uavftc.config.explain import unit_of
-from uavftc.config.values import Model
+from uavftc.config.values import Model, Window
 from uavftc.control import inner, outer, whole
 from uavftc.control.custom.controller import custom_controller
 from uavftc.core.given import Given
@@ -230,6 +230,17 @@ def test_a_fault_that_changes_an_effect_is_a_kind_with_a_label(group: str, effec
     # entries of `faults` are told apart by their kind, and figures write the label into the window
     assert isinstance(effect.FAULT.model_fields["kind"].default, str)
     assert isinstance(effect.FAULT.label, property)
+
+
+@named([(group, effect) for group, effect in EVERY if hasattr(effect, "Config")])
+def test_each_entry_with_a_window_has_a_label(group: str, effect: ModuleType) -> None:
+    # figures list it, and write it into the window
+    entries = [s for s in all_sections(effect.Config) if issubclass(s, Window) or hasattr(s, "end_s")]
+    for entry in entries:
+        bases = entry.__subclasses__() or [entry]  # of several kinds of sensor each says its unit
+        assert all(isinstance(getattr(one, "label", None), property) for one in bases), entry.__qualname__
+    if getattr(effect, "ENTRY_OF", None):
+        assert entries
 
 
 @named(LAWS)

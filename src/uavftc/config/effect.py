@@ -21,7 +21,7 @@ and it takes part because its module is listed in the tuple of its chain. Its pl
 
     SECTION = "saturation"       `Config` is a section, which may be null
     KEYS_IN = "sensors"          the keys of `Config` are in this section, next to those of other effects
-    ENTRY_OF = "faults"          `Config` is one kind of entry in this list
+    ENTRY_OF = "faults"          `Config` is one kind of entry in this list; its `label` says what it is, in short
 
     FAULT         next to any of these: a kind of entry in `faults` that changes a parameter of the effect for a time;
                   its law finds such entries by `given.faults_of(FAULT)`; and FIRST, where its law keeps in its memory

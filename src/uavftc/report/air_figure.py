@@ -59,7 +59,7 @@ def air(history: History, context: FigureContext) -> Figure:
             panels.note(turning, "this air does not turn", height=0.7)
         for ax in axes[2]:
             mark(ax, context, "wind")
-    panels.legends(axes)
+    panels.legend(fig, axes)
     return fig
 
 

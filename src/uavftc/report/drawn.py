@@ -40,7 +40,7 @@ class Drawn:
     def _of_twin(self, ax: Axes, read: Read, turn: float | None = None) -> list[np.ndarray]:
         if self._twin is None:
             return []
-        return [panels.curve(ax, self._twin["time_s"], read(self._twin), turn=turn, label="without faults", **TWIN)]
+        return [panels.curve(ax, self._twin["time_s"], read(self._twin), turn=turn, label=panels.WITHOUT, **TWIN)]
 
     def measured(self, ax: Axes, name: str, *, turn: float | None = None) -> list[np.ndarray]:
         """Draw a measured angle or rate, deg or deg/s, where the sensors have errors; return it."""

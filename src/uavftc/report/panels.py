@@ -24,6 +24,8 @@ _LARGEST = 1e9  # beyond it, the end of a diverged flight is not drawn: it would
 _BRIEF = 0.005  # share of the samples on either side that may be a spike
 _FAR = 4.0  # a spike makes the span of the values at least so many times that of the others
 _WOUND_UP_DEG = 30.0  # how far beyond the deflection a command is drawn where there is no limit
+WITHOUT = "without faults"
+"""The label of the twin's curves."""
 _LETTERS = string.ascii_letters
 IDLE_DEGPS = 1e-3  # an observer whose estimate stays below is idle: the commanded rates are 2.5 deg/s
 
@@ -89,12 +91,12 @@ def legend(fig: Figure, axes: np.ndarray) -> None:
 
 
 def _entries(axes: Iterable[Axes]) -> dict[str, Artist]:
-    """Return what is drawn in `axes`, by its label."""
+    """Return what is drawn in `axes`, by its label; the twin comes last."""
     entries: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
-    return entries
+    return dict(sorted(entries.items(), key=lambda entry: entry[0] == WITHOUT))
 
 
 def title_legend(ax: Axes, curves: Sequence[Artist], columns: int) -> None:

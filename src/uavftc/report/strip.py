@@ -22,6 +22,8 @@ from uavftc.results.context import FigureContext
 from uavftc.results.windows import FlightWindow
 
 _SIZE, _SMALL = 10.5, 9.0  # of a text, points
+_TITLES = 14.0, 11.5
+_BOLD = 1.17  # times as wide
 _LANE_IN, _LINE_IN = 0.19, 0.22  # height of a lane of the strip and of a line of the list, inches
 _MARGIN_IN = 1.05  # of a column of panels, left and right of its axes, inches
 _PANEL = 0.68  # share of the height of a row of panels that its axes have
@@ -34,7 +36,7 @@ _PLAIN = {
     "disturbance": "disturbance", "sensor": "error of a sensor",
 }  # fmt: skip
 TOLD = "controller told"
-_LIMITING: dict[str, Any] = {"color": BLACK, "linewidth": 1.3, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 4}
+_LIMITING: dict[str, Any] = {"color": BLACK, "linewidth": 1.0, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 4}
 
 
 class Entry(NamedTuple):
@@ -78,9 +80,11 @@ def new_figure(
     lanes = min(max((bar.lane + 1 for bar in shown), default=0), _LANES)
     heights = [_LINE_IN * len(lines)] if lines else []
     heights += [_LANE_IN * lanes] if lanes else []
-    fig.set_size_inches(size[0], round(size[1] + sum(heights) + 0.06 * len(heights), 2))
+    title, letters = _folded(context.title, 72 * (size[0] - 0.4))
+    more = 0.016 * letters * (len(title) - 1)
+    fig.set_size_inches(size[0], round(size[1] + more + sum(heights) + 0.06 * len(heights), 2))
     fig.get_layout_engine().set(w_pad=0.08, h_pad=0.05)  # type: ignore[union-attr, call-arg]
-    fig.suptitle(context.title, fontsize=14, fontweight="bold", parse_math=False)
+    fig.suptitle("\n".join(title), fontsize=letters, fontweight="bold", parse_math=False)
     above = len(heights)
     grid = fig.add_gridspec(above + rows, columns, height_ratios=[*heights, *[_PANEL * size[1] / rows] * rows])
     axes = np.empty((rows, columns), dtype=object)
@@ -157,6 +161,23 @@ def _limiting(ax: Axes, context: FigureContext) -> None:
         ax.axvline(at, **_LIMITING)
         look: Any = {"marker": "v", "markersize": 7, "color": BLACK, "linestyle": "none", "clip_on": False, "zorder": 5}
         ax.plot([at], [1.0], transform=ax.get_xaxis_transform(), **look)
+
+
+def _folded(title: str, room: float) -> tuple[list[str], float]:
+    """Return the lines of a title, none wider than the room, and the size of its letters, smaller if they are many."""
+    for size in _TITLES:
+        lines: list[str] = []
+        for part in title.split("\n"):
+            lines.append("")
+            for word in part.split(" "):
+                longer = f"{lines[-1]} {word}" if lines[-1] else word
+                if lines[-1] and _BOLD * width_of(longer, size) > room:
+                    lines.append(word)
+                else:
+                    lines[-1] = longer
+        if len(lines) <= 2:
+            break
+    return lines, size
 
 
 def _points(ax: Axes) -> tuple[float, float]:

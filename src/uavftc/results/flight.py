@@ -103,7 +103,15 @@ class FlightResult(NamedTuple):
             windows=windows_of(self.scenario, self.layout),
             controlled=controlled_of(self.axes),
             signals=self.layout.signals,
+            limiting=self._limiting(),
         )
+
+    def _limiting(self) -> tuple[str, float] | None:
+        """Return the requirement of the smallest margin, and when that was; None where it has no moment."""
+        verdict = self.verdict
+        if verdict is None or verdict.limiting is None or verdict.at_s is None:
+            return None
+        return verdict.limiting, verdict.at_s
 
     def _limits(self) -> dict[str, tuple[float, float] | None]:
         """Return the limits of each axis, and of each effector that has a name of its own."""
