@@ -98,12 +98,17 @@ def _metric_table(flights: Sequence[dict[str, Any]]) -> Table:
 def _verdict_rows(flights: Sequence[dict[str, Any]]) -> list[tuple[str, list[Text]]]:
     """Return outcome, margin and what limits it, of each flight; the best margin in bold."""
     verdicts = [flight["verdict"] for flight in flights]
-    best = max(verdict["margin"] for verdict in verdicts)
+    best = max((verdict["margin"] for verdict in verdicts if verdict is not None), default=None)
+    none = Text("-")
     return [
-        ("verdict", [Text(v["outcome"], style=COLOURS[v["outcome"]]) for v in verdicts]),
-        ("margin", [Text(margin_text(v["margin"]), style="bold" if v["margin"] == best else "") for v in verdicts]),
-        ("limited by", [Text(v["limiting"] or "-") for v in verdicts]),
+        ("verdict", [none if v is None else Text(v["outcome"], style=COLOURS[v["outcome"]]) for v in verdicts]),
+        ("margin", [none if v is None else _margin(v["margin"], best) for v in verdicts]),
+        ("limited by", [none if v is None else Text(v["limiting"] or "-") for v in verdicts]),
     ]
+
+
+def _margin(margin: float, best: float | None) -> Text:
+    return Text(margin_text(margin), style="bold" if margin == best else "")
 
 
 def _table() -> Table:
