@@ -30,7 +30,7 @@ from uavftc.control.custom.measured import MEASURED
 from uavftc.control.custom.own_signals import UNITS
 from uavftc.control.rbf import Rbf
 from uavftc.environment import KINDS, gust_train, shear, turbulence
-from uavftc.scenario import damage, requirements, schema
+from uavftc.scenario import damage, requirements, schema, uncertainty
 from uavftc.scenario.controllers import LOOPS, Controller, CustomController
 from uavftc.sensors import dropout, stuck
 
@@ -191,6 +191,7 @@ TABLES: dict[str, Callable[[], list[str]]] = {
     "damage": lambda: table(damage.Damage),
     "inertia": lambda: table(damage.Inertia),
     "lift lost": lambda: table(damage.LiftLost),
+    "uncertainty": lambda: table(uncertainty.Uncertainty),
     "disturbances": disturbances,
     "air": lambda: by_kind([kind.Config for kind in (shear, gust_train, turbulence)]),
     "order of sensors": lambda: in_order(sensors.CHAIN),

@@ -73,7 +73,7 @@ NonNegative = Annotated[Number, Field(ge=0)]
 Whole = Annotated[int, Strict()]
 
 
-def _three(value: Any) -> Any:
+def three(value: Any) -> Any:
     """Broadcast a number to [roll, pitch, yaw]; refuse anything that is not a list of three."""
     if is_number(value):
         return (value,) * 3
@@ -107,15 +107,15 @@ def _three_schema(item: dict[str, Any]) -> WithJsonSchema:
     return WithJsonSchema({"anyOf": [item, {"type": "array", "items": item, "minItems": 3, "maxItems": 3}]})
 
 
-Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(_three), _three_schema({"type": "number"})]
+Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(three), _three_schema({"type": "number"})]
 PositiveVector3 = Annotated[
     tuple[Positive, Positive, Positive],
-    BeforeValidator(_three),
+    BeforeValidator(three),
     _three_schema({"type": "number", "exclusiveMinimum": 0}),
 ]
 NonNegativeVector3 = Annotated[
     tuple[NonNegative, NonNegative, NonNegative],
-    BeforeValidator(_three),
+    BeforeValidator(three),
     _three_schema({"type": "number", "minimum": 0}),
 ]
 _Row = tuple[Number, Number, Number]

@@ -28,7 +28,7 @@ from uavftc.core.layout import Layout, targets_of
 from uavftc.core.program import Program
 from uavftc.core.signals import Column, Shape
 from uavftc.core.stage import Block, params_of
-from uavftc.flight import envelope
+from uavftc.flight import envelope, uncertain
 from uavftc.flight.aboard import aboard_of
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
 from uavftc.flight.damaged import refuse_damage
@@ -47,6 +47,7 @@ from uavftc.plants.jsbsim.span import span
 from uavftc.plants.schedule import Struck, struck_by
 from uavftc.scenario.controllers import CustomController, kinds
 from uavftc.scenario.schema import Scenario
+from uavftc.scenario.uncertainty import Uncertainty
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ def build_flight(scenario: Scenario) -> Flight:
     timing = timing_of(acting(scenario, model), model.frame_s if model is not None and finer else math.inf)
     layout = layout_of(scenario, aircraft, model)
     refuse_unknown(scenario, layout)
-    refuse_damage(scenario, aircraft, model)
+    refuse_damage(scenario, uncertain.vehicle_of(scenario, aircraft, model))
     inputs = Inputs(scenario, trim_attitude(model), layout)
     if model is not None and finer:
         refuse(scenario, impossible(scenario, aircraft, model))
@@ -231,17 +232,29 @@ def make_plant(
     layout: Layout,
 ) -> Plant:
     """Return the plant at its trim."""
-    damage = struck_by(scenario.damage, scenario.controller.rate_hz)
+    damage, vehicle = (
+        struck_by(scenario.damage, scenario.controller.rate_hz),
+        uncertain.vehicle_of(scenario, aircraft, model),
+    )
+    flown = uncertain.document_of(scenario, vehicle)
+    plant: Plant
     if scenario.plant == "analytic":
-        return make_analytic(aircraft, model, timing, damage)
+        plant = make_analytic(aircraft, model, timing, damage, scenario.uncertainty)
+        plant.settings |= {} if flown is None else {"uncertainty": flown}
+        return plant
     from uavftc.plants.jsbsim import damage as damaged  # noqa: PLC0415
+    from uavftc.plants.jsbsim import uncertainty  # noqa: PLC0415
     from uavftc.plants.jsbsim.plant import JSBSimPlant  # noqa: PLC0415 - each plant is imported only when flown
 
     assert model is not None  # every JSBSim aircraft is flown from a trimmed model
     wind, moment = inputs.acts_on("wind_n"), inputs.acts_on("d2")
-    told = [damaged.told(aircraft, damage, np.array(model.inertia_kgm2)), *told_of_engines(scenario, model)]
+    told = [
+        uncertainty.told(aircraft, scenario.uncertainty, vehicle.factors),
+        damaged.told(aircraft, damage, vehicle.inertia),
+        *told_of_engines(scenario, model),
+    ]
     at_start = inputs.wind_at_start(model.trim["altitude"])  # the ground is at sea level
-    return JSBSimPlant(
+    plant = JSBSimPlant(
         aircraft,
         model,
         timing,
@@ -250,16 +263,25 @@ def make_plant(
         has_moment=moment,
         told=told,
         engines=len(layout.engines),
+        inertia=vehicle.inertia,
     )
+    plant.settings |= {} if flown is None else {"uncertainty": flown}
+    return plant
 
 
 def make_analytic(
-    aircraft: Aircraft, model: TrimmedModel | None, timing: Timing, damage: Sequence[Struck] = ()
+    aircraft: Aircraft,
+    model: TrimmedModel | None,
+    timing: Timing,
+    damage: Sequence[Struck] = (),
+    uncertainty: Uncertainty | None = None,
 ) -> Plant:
     """Return the rotational model: the companion file's, or the one measured on JSBSim at the trim."""
-    from uavftc.plants.analytic import AnalyticPlant  # noqa: PLC0415
+    from uavftc.plants.analytic import AnalyticPlant, of_another_inertia  # noqa: PLC0415
 
     inertia, A_l, B_m = rotational_model(aircraft, model)
+    if uncertainty is not None and uncertainty.changes_inertia:
+        inertia, A_l, B_m = of_another_inertia(inertia, A_l, B_m, uncertainty.inertia(inertia))
     if model is None:
         return AnalyticPlant(inertia, A_l, B_m, timing, u_limits=claimed_stops(aircraft), damage=damage)
     return AnalyticPlant(

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from uavftc.aircraft.definition import Aircraft
 from uavftc.config.explain import MAX_SHOWN
 from uavftc.config.values import Problem
 from uavftc.errors import InputError, join
-from uavftc.plants.jsbsim.model import TrimmedModel
+from uavftc.flight.uncertain import Vehicle
 from uavftc.plants.mass import at_a_time, impossible, piece_of
 from uavftc.scenario.damage import Damage
 from uavftc.scenario.schema import Scenario
@@ -20,8 +19,8 @@ _ROTATIONAL = {
 """What the analytic plant lacks for a key."""
 
 
-def refuse_damage(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | None) -> None:
-    """Refuse damage that the plant cannot represent, or that leaves no mass or no inertia at any time.
+def refuse_damage(scenario: Scenario, vehicle: Vehicle) -> None:
+    """Refuse damage that the plant cannot represent, or that leaves no mass or no inertia at any time of the vehicle.
 
     Raises
     ------
@@ -32,20 +31,12 @@ def refuse_damage(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel | 
         return
     found = _analytic(scenario) if scenario.plant == "analytic" else []
     if not found:
-        found = _bodies(scenario, *mass_of(aircraft, model))
+        found = _bodies(scenario, vehicle.mass, vehicle.inertia)
     if found:
         where = scenario.origin.where
         raise join(
             [InputError(where(p.key), found=p.found, expected=p.expected, remedy=p.remedy) for p in found[:MAX_SHOWN]]
         )
-
-
-def mass_of(aircraft: Aircraft, model: TrimmedModel | None) -> tuple[float, np.ndarray]:
-    """Return mass, kg, and inertia, kg m^2, of the undamaged aircraft."""
-    if model is not None:
-        return model.mass_kg, np.array(model.inertia_kgm2)
-    assert aircraft.mass_properties is not None  # or there would be a trimmed model
-    return aircraft.mass_properties.mass_kg, np.array(aircraft.mass_properties.inertia_kgm2)
 
 
 def _analytic(scenario: Scenario) -> list[Problem]:

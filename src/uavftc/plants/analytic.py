@@ -108,6 +108,14 @@ observe_stage = Stage(observe, NOTHING, STATE, reads=[], writes=VEHICLE)
 stage = Stage(step, PARAMS, STATE, reads=["u2", "d1", "d2"], writes=[])
 
 
+def of_another_inertia(
+    J: np.ndarray, A_l: np.ndarray, B_m: np.ndarray, now: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the model of a vehicle with the same moments and another inertia, `now`: all shape (3, 3)."""
+    ratio = np.linalg.solve(now, J)
+    return now, ratio @ A_l, ratio @ B_m
+
+
 class AnalyticPlant:
     """The model as a plant; it starts at the attitude of the trim and at zero rates, which is a trim of this model.
 
@@ -169,8 +177,7 @@ class AnalyticPlant:
         J, A_l, B_m = self._undamaged
         if self._struck:
             now = damaged(1.0, J, [piece_of(other, 1.0) for other in self._struck]).inertia  # of no other mass
-            ratio = np.linalg.solve(now, J)
-            J, A_l, B_m = now, ratio @ A_l, ratio @ B_m
+            J, A_l, B_m = of_another_inertia(J, A_l, B_m, now)
         self._params["c"], self._params["A_l"], self._params["B_m"] = coefficients(J), A_l, B_m
 
     def before(self) -> list[Block]:

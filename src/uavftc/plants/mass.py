@@ -1,4 +1,4 @@
-"""Mass, centre of gravity and inertia of a damaged vehicle, as sums over pieces; SI, body axes.
+"""Mass, centre of gravity and inertia of a damaged or uncertain vehicle, as sums over pieces; SI, body axes.
 
 Of a body of mass m with second moments S = integral of r r^T about its centre of gravity, J = tr(S) I - S. A damage
 that alone changes the mass by dm, moves the centre of gravity by s and changes the inertia about it by dJ is a piece
@@ -51,9 +51,19 @@ def inertia_of(S: np.ndarray) -> np.ndarray:
 
 def piece_of(entry: Any, mass: float) -> Piece:
     """Return an entry of `damage` as a piece of a vehicle of this mass, kg."""
-    left, shift = mass + entry.mass_kg, np.array(entry.cg_m)
-    second = second_moments(entry.inertia_kgm2.matrix()) + left * np.outer(shift, shift)
-    return Piece(entry.mass_kg, left * shift, second)
+    return of_change(mass, entry.mass_kg, np.array(entry.cg_m), entry.inertia_kgm2.matrix())
+
+
+def uncertain_piece(uncertainty: Any, mass: float, J: np.ndarray) -> Piece:
+    """Return what an `uncertainty` adds to the nominal vehicle with this mass, kg, and inertia, kg m^2."""
+    more = mass * (uncertainty.mass_factor - 1.0)
+    return of_change(mass, more, np.array(uncertainty.cg_shift_m), uncertainty.inertia(J) - J)
+
+
+def of_change(mass: float, more: float, shift: np.ndarray, dJ: np.ndarray) -> Piece:
+    """Return the piece that changes mass, kg, centre of gravity, (3,), m, and inertia, (3, 3), kg m^2, by so much."""
+    total = mass + more
+    return Piece(more, total * shift, second_moments(dJ) + total * np.outer(shift, shift))
 
 
 def damaged(mass: float, J: np.ndarray, pieces: Sequence[Piece]) -> Body:
@@ -93,6 +103,8 @@ def impossible(mass: float, J: np.ndarray, pieces: Sequence[Piece]) -> str | Non
     total = mass + sum(piece.mass for piece in pieces)
     if not total > 1e-9 * mass:
         return f"a mass of {total:.6g} kg"
+    if not np.all(np.isfinite(damaged(mass, J, pieces).inertia)):
+        return "moments of inertia that are not finite"
     principal = np.linalg.eigvalsh(damaged(mass, J, pieces).inertia)
     said = f"principal moments of inertia of {', '.join(f'{value:.6g}' for value in principal)} kg m^2"
     small = 1e-9 * np.trace(J)

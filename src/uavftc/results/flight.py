@@ -16,7 +16,7 @@ from uavftc.control.custom.module import checksum
 from uavftc.core.axes import left_to_the_airframe
 from uavftc.core.layout import Layout
 from uavftc.core.signals import SURFACES
-from uavftc.flight import named, requirements, servos
+from uavftc.flight import named, requirements, servos, uncertain
 from uavftc.flight.build import Flight
 from uavftc.flight.fly import CHUNK_ROWS, Outcome
 from uavftc.plants.jsbsim.model import notes
@@ -150,7 +150,8 @@ def notes_of(flight: Flight) -> tuple[str, ...]:
     files = () if flight.model is None else tuple(notes(flight.aircraft, flight.model))
     asked = (*named.remarks(flight.scenario, flight.given), *servos.remarks(flight.scenario, flight.given))
     asked = (*asked, *requirements.remarks(flight.scenario, flight.layout, flight.signals))
-    return (*left_to_the_airframe(flight.given.axes), *coarse(flight), *asked, *flight.remarks(), *files)
+    differs = uncertain.remarks(flight.scenario, flight.plant.settings.get("uncertainty"))
+    return (*differs, *left_to_the_airframe(flight.given.axes), *coarse(flight), *asked, *flight.remarks(), *files)
 
 
 def coarse(flight: Flight) -> list[str]:

@@ -33,6 +33,7 @@ from uavftc.scenario.checks import MAX_SUBSTEPS, problems
 from uavftc.scenario.controllers import AnyController, Controller
 from uavftc.scenario.damage import Damage
 from uavftc.scenario.requirements import Requirement
+from uavftc.scenario.uncertainty import Uncertainty
 from uavftc.sensors import CHAIN as SENSORS
 
 MAX_PLANT_STEP_S = 5e-3  # s; the JSBSim integrators are made for 120-200 Hz
@@ -196,6 +197,8 @@ class Scenario(_Chains):
     """[faults](#faults) of surfaces and engines"""
     damage: tuple[Damage, ...] = ()
     """[damage to the vehicle](#damage)"""
+    uncertainty: Uncertainty = Uncertainty()
+    """[how the vehicle that flies differs from the nominal one](#uncertainty)"""
     disturbances: tuple[Disturbance, ...] = ()
     """[disturbances](#disturbances)"""
     sensors: Sensors = Sensors()

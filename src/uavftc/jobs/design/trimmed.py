@@ -20,6 +20,7 @@ from uavftc.flight.condition import (
     largest_step,
     reasons_against,
 )
+from uavftc.flight.uncertain import function_names
 from uavftc.jobs.design.effectors import axis_deflections, effector_list, engines_section
 from uavftc.plants.jsbsim.model import TrimmedModel, trimmed_model, trimmed_models
 from uavftc.scenario.schema import Scenario
@@ -66,6 +67,7 @@ def trimmed_sections(scenario: Scenario, aircraft: Aircraft, model: TrimmedModel
         "effectors": effector_list(model),
         "gangs": {axis: dict(members) for axis, members in model.gangs.items()},
         "propulsion": engines_section(model),
+        "aerodynamic_functions": function_names(aircraft)[0],
     }
 
 

@@ -4,8 +4,8 @@
   JSBSim reads neither in an included file. A <child>, another aircraft with outputs of its own, is refused.
 - A moment input is added to an aircraft that has none, for the disturbance d2: the body moment J d2.
 - Properties that nothing defines are declared, 0, where the caller says so (`load.missing`).
-- What a fault of this flight needs is put at the end of a section (`Addition`), or into a new one; a flight without
-  such a fault has the copy that it always had.
+- What a fault of this flight needs is put at the end of a section (`Addition`), or into a new one, and a factor is put
+  on an aerodynamic function (`Factor`); a flight without either has the copy that it always had.
 
 The author's files are never touched. The copy is in the user's cache under its own checksum; whatever else the
 aircraft reads, it reads from the author's folder. Lines keep their numbers.
@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +24,7 @@ from xml.parsers import expat
 from uavftc.aircraft.definition import Aircraft
 from uavftc.core.cache import cache_folder
 from uavftc.errors import InputError
+from uavftc.plants.jsbsim.functions import Factor, plain_utf8, scaled
 
 MOMENT = "uavftc-disturbance"
 _ELEMENT = f'<moment name="{MOMENT}" frame="BODY"><direction><x>1</x><y>0</y><z>0</z></direction></moment>'
@@ -41,13 +41,17 @@ class Addition(NamedTuple):
     """ASCII, without a line break, so that lines keep their numbers."""
 
 
+Change = Addition | Factor
+"""What the copy has for one flight."""
+
+
 def moment_name(aircraft: Aircraft) -> str:
     """Return the name of the moment that carries d2."""
     return aircraft.disturbance_moment or MOMENT
 
 
-def copy_of(aircraft: Aircraft, declared: Sequence[str] = (), additions: Sequence[Addition] = ()) -> Path:
-    """Return the copy of the aircraft's main file with these properties declared and additions, made at the first call.
+def copy_of(aircraft: Aircraft, declared: Sequence[str] = (), additions: Sequence[Change] = ()) -> Path:
+    """Return the copy of the aircraft's main file, properties declared, additions and factors in it; made if need be.
 
     Raises
     ------
@@ -81,28 +85,28 @@ def _unusable(aircraft: Aircraft, found: str, expected: str) -> InputError:
     )
 
 
-def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = (), additions: Sequence[Addition] = ()) -> bytes:
-    """Return an aircraft's XML without outputs and inputs, with a moment input, properties declared and additions.
+def edited(xml: bytes, *, moment: bool, declared: Sequence[str] = (), additions: Sequence[Change] = ()) -> bytes:
+    """Return an aircraft's XML without outputs and inputs, with a moment, properties declared, additions, factors.
 
     Raises
     ------
     expat.ExpatError
         If it is not well-formed.
     """
-    if xml[:2] in (b"\xff\xfe", b"\xfe\xff"):  # UTF-16: what is put in is ASCII
-        xml = re.sub(r"\A<\?xml.*?\?>", '<?xml version="1.0"?>', xml.decode("utf-16"), flags=re.DOTALL).encode()
+    xml = plain_utf8(xml)  # what is put in is ASCII
     sections, inside, end = _sections(xml)
-    changes: list[tuple[int, int, bytes]] = []
+    changes = scaled(xml, (change for change in additions if isinstance(change, Factor)))
+    added = [change for change in additions if isinstance(change, Addition)]
     for section in sections:
         if section.tag in _TAKEN_OUT:
             changes.append((section.begin, section.end, b"\n" * xml.count(b"\n", section.begin, section.end)))
     if declared:
         lines = "".join(f'<property value="0">{name}</property>' for name in declared)
         changes.append((inside, inside, f'<system name="uavftc-declared">{lines}</system>'.encode()))
-    tags = ([_MOMENTS] if moment else []) + [addition.section for addition in additions]
+    tags = ([_MOMENTS] if moment else []) + [addition.section for addition in added]
     for tag in dict.fromkeys(tags):
         first = _ELEMENT if moment and tag == _MOMENTS else ""
-        last = "".join(addition.xml for addition in additions if addition.section == tag)
+        last = "".join(addition.xml for addition in added if addition.section == tag)
         changes += _put(tag, first, last, sections, end, xml)
     for begin, stop, text in sorted(changes, reverse=True):
         xml = xml[:begin] + text + xml[stop:]

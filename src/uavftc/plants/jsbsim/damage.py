@@ -13,6 +13,7 @@ inertia of fuel tanks about the centre of gravity of the frame before, so with t
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -20,20 +21,15 @@ import jsbsim
 import numpy as np
 
 from uavftc.aircraft.definition import Aircraft
-from uavftc.errors import InputError
 from uavftc.plants.jsbsim.copy import Addition
 from uavftc.plants.jsbsim.events import Event, Told
+from uavftc.plants.jsbsim.points import Added, placed, refuse_name, scale_of, structural
 from uavftc.plants.jsbsim.units import FT_M, IN_M, LBF_N, SLUG_KG, SLUGFT2_KGM2
-from uavftc.plants.mass import POINTS, piece_of, points_of
+from uavftc.plants.mass import POINTS, piece_of
 from uavftc.plants.schedule import Struck
 
 NAME = "uavftc-damage"
-_MARK = -987654.0
-"""Where a point mass stands, in, until its place is set: an index says nothing, an included file may have more."""
-_WEIGHTLESS = (
-    f'<pointmass name="{NAME}"><weight unit="LBS">0</weight>'
-    f'<location unit="IN"><x>{_MARK}</x><y>0</y><z>0</z></location></pointmass>'
-)
+_MARK = -987654.0  # in
 _OF = {
     "alpha": ("aero/alpha-rad",),
     "beta": ("aero/beta-rad",),
@@ -77,76 +73,41 @@ def told(aircraft: Aircraft, damage: Sequence[Struck], J: np.ndarray) -> Told:
     """
     if not damage:
         return Told()
-    where = f"aircraft {aircraft.name}, {aircraft.xml}"
-    if NAME.encode() in aircraft.xml.read_bytes():
-        remedy = "choose another name there"
-        raise InputError(where, found=f"the name {NAME}", expected="none that damage has for its own", remedy=remedy)
+    where = refuse_name(aircraft, NAME, "damage")
     added = []
-    if masses := sum(d.entry.changes_mass for d in damage) * POINTS:
-        added.append(Addition("mass_balance", masses * _WEIGHTLESS))
+    if (points := _points(damage)).number:
+        added.append(points.addition)
     if reactions := "".join(r.xml for i, d in enumerate(damage) for r in _reactions(i, d.entry)):
         added.append(Addition("external_reactions", reactions))
     return Told(additions=tuple(added), at_start=functools.partial(_events, tuple(damage), J, where))
 
 
+def _points(damage: Sequence[Struck]) -> Added:
+    return Added(NAME, _MARK, POINTS * sum(d.entry.changes_mass for d in damage))
+
+
 def _events(damage: Sequence[Struck], J: np.ndarray, where: str, fdm: jsbsim.FGFDMExec) -> list[Event]:
     """Set the places of all damages on an aircraft at its start; return what is written at which row."""
-    mass = fdm["inertia/mass-slugs"] * SLUG_KG
-    lbs_per_kg = fdm["inertia/weight-lbs"] / mass  # by JSBSim's own g
-    cg = np.array([fdm[f"inertia/cg-{axis}-in"] for axis in "xyz"])
+    mass, scale = fdm["inertia/mass-slugs"] * SLUG_KG, scale_of(fdm, J)
     reference = np.array([fdm[f"metrics/aero-rp-{axis}-in"] for axis in "xyz"])
-    radius = float(np.sqrt(0.5 * np.trace(J) / mass))  # of the size of the vehicle's: weights of its order
-    points = iter(_added_points(fdm, where, sum(d.entry.changes_mass for d in damage) * POINTS))
+    points = iter(_points(damage).indices(fdm, where, "leave mass_kg, cg_m and inertia_kgm2 out"))
     events: list[Event] = []
     for i, (entry, first, end) in enumerate(damage):
         on: list[tuple[str, float]] = []
         if entry.changes_mass:
-            masses, places = points_of(piece_of(entry, mass), radius)
-            for kg, place in zip(masses.tolist(), places, strict=True):
-                point = next(points)
-                for axis, inches in zip("XYZ", _structural(cg, place), strict=True):
-                    fdm[f"inertia/pointmass-location-{axis}-inches[{point}]"] = inches
-                on.append((f"inertia/pointmass-weight-lbs[{point}]", lbs_per_kg * kg))
+            on += placed(fdm, list(itertools.islice(points, POINTS)), piece_of(entry, mass), scale)
         for reaction in _reactions(i, entry):
             base = f"external_reactions/{reaction.name}"
             on += [(f"{base}/{axis}", float(value)) for axis, value in reaction.direction.items() if value]
             if reaction.place is None:
                 continue
-            at = reference if isinstance(reaction.place, str) else _structural(cg, np.array(reaction.place))
+            at = reference if isinstance(reaction.place, str) else structural(scale.cg, np.array(reaction.place))
             at = at + np.array([0.0, reaction.lateral * fdm["metrics/bw-ft"] * FT_M / 2.0 / IN_M, 0.0])
             for axis, inches in zip("xyz", at, strict=True):
                 fdm[f"{base}/location-{axis}-in"] = inches
         events += [Event(first, name, value) for name, value in on]
         events += [] if end is None else [Event(end, name, 0.0) for name, _ in on]
     return events
-
-
-def _added_points(fdm: jsbsim.FGFDMExec, where: str, wanted: int) -> list[int]:
-    """Return the indices of the point masses that were added, by the place that they were given.
-
-    Raises
-    ------
-    InputError
-        If they did not come with the aircraft.
-    """
-    manager, found, n = fdm.get_property_manager(), [], 0
-    while (node := manager.get_node(f"inertia/pointmass-location-X-inches[{n}]")) is not None:
-        if node.get_double_value() == _MARK:
-            found.append(n)
-        n += 1
-    if len(found) != wanted:
-        raise InputError(
-            where,
-            found=f"{len(found)} of {wanted} point masses of damage in the aircraft as JSBSim has loaded it",
-            expected="a <mass_balance> to which point masses can be added",
-            remedy="leave mass_kg, cg_m and inertia_kgm2 out, or look at <mass_balance> in the aircraft's main file",
-        )
-    return found
-
-
-def _structural(cg: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Return a place, m, body axes from the centre of gravity, in structural inches: x aft, y right, z up."""
-    return cg + np.array([-1.0, 1.0, -1.0]) * place / IN_M
 
 
 def _reactions(i: int, entry: Any) -> list[_Reaction]:

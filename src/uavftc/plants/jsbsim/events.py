@@ -11,7 +11,7 @@ The plant splits its loop at the rows of its events (`JSBSimPlant.run`): between
 flight without any runs the loop that it always ran. A flight that `flight.numerical` flies again at finer steps is
 given the same events: they are made from the scenario, in `flight.build.make_plant`, as `Told`.
 
-What an event writes to may have to be put into the aircraft first: `copy.Addition`, given to `JSBSimPlant` next to the
+What an event writes to may have to be put into the aircraft first: `copy.Change`, given to `JSBSimPlant` next to the
 events. `row_at` turns the edge of a window [start_s, end_s) into a row, as `values.window_of` does for signals.
 """
 
@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import jsbsim
 
-from uavftc.plants.jsbsim.copy import Addition
+from uavftc.plants.jsbsim.copy import Change
 from uavftc.plants.jsbsim.engines import has
 from uavftc.plants.jsbsim.writer import Getter, Setter
 from uavftc.plants.schedule import row_at
@@ -47,13 +47,19 @@ def _nothing(_fdm: jsbsim.FGFDMExec) -> Sequence[Event]:
     return ()
 
 
+def _as_it_is(_fdm: jsbsim.FGFDMExec) -> None:
+    pass
+
+
 class Told(NamedTuple):
-    """What a fault or damage tells JSBSim, and what the aircraft must have for it."""
+    """What a fault, damage or uncertainty tells JSBSim, and what the aircraft must have for it."""
 
     events: tuple[Event, ...] = ()
-    additions: tuple[Addition, ...] = ()
+    additions: tuple[Change, ...] = ()
     at_start: Callable[[jsbsim.FGFDMExec], Sequence[Event]] = _nothing
     """Given the aircraft at its start, frozen at the trim: prepares what it must, and returns further events."""
+    settled: Callable[[jsbsim.FGFDMExec], None] = _as_it_is
+    """Given the aircraft at the nominal trim, still frozen and settled: makes it the vehicle that flies."""
 
 
 def existing(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:

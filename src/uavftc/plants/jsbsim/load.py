@@ -22,7 +22,7 @@ import numpy as np
 from uavftc.aircraft.definition import Aircraft
 from uavftc.errors import InputError
 from uavftc.plants.jsbsim import strict
-from uavftc.plants.jsbsim.copy import Addition, copy_of
+from uavftc.plants.jsbsim.copy import Change, copy_of
 from uavftc.plants.jsbsim.units import FT_M, SLUG_KG, SLUGFT2_KGM2
 
 FLAT_PLANET = Path(__file__).with_name("flat_planet.xml")
@@ -77,7 +77,7 @@ def _quiet_log() -> _Log:
     return _log
 
 
-def load(aircraft: Aircraft, dt: float, additions: Sequence[Addition] = ()) -> jsbsim.FGFDMExec:
+def load(aircraft: Aircraft, dt: float, additions: Sequence[Change] = ()) -> jsbsim.FGFDMExec:
     """Return a fresh FDM with the copy of the aircraft loaded at frame time dt, s; nothing is initialised yet.
 
     `additions` are put into the copy.
@@ -122,7 +122,7 @@ def _missing(aircraft: Aircraft, _checksum: str) -> tuple[str, ...]:
 
 
 def _loaded(
-    aircraft: Aircraft, dt: float, declared: Sequence[str], additions: Sequence[Addition] = ()
+    aircraft: Aircraft, dt: float, declared: Sequence[str], additions: Sequence[Change] = ()
 ) -> jsbsim.FGFDMExec:
     folder = aircraft.folder.resolve()  # the way from it to the copy counts its parents
     copy = copy_of(aircraft, declared, additions).resolve()
@@ -160,7 +160,7 @@ def _loaded(
     return fdm
 
 
-def initialised(aircraft: Aircraft, dt: float, additions: Sequence[Addition] = ()) -> jsbsim.FGFDMExec:
+def initialised(aircraft: Aircraft, dt: float, additions: Sequence[Change] = ()) -> jsbsim.FGFDMExec:
     """Return a fresh FDM at frame time dt, s, loaded, initialised and checked against the companion file.
 
     `additions` are put into the copy that is loaded.

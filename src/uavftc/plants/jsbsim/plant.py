@@ -61,6 +61,8 @@ class JSBSimPlant:
         What JSBSim is told once, at given rows, and what is put into the copy of the aircraft for it.
     engines
         Engines for which a row has room; their throttle and thrust are read.
+    inertia
+        J of the vehicle that flies, shape (3, 3), kg m^2, by which d2 becomes a moment; None is that of the model.
 
     Raises
     ------
@@ -82,11 +84,12 @@ class JSBSimPlant:
         integrators: dict[str, int] | None = None,
         told: Sequence[Told] = (),
         engines: int = 0,
+        inertia: np.ndarray | None = None,
     ) -> None:
         integrators = INTEGRATORS if integrators is None else integrators
         self.trim = trim = Trim(**model.trim)
         self.fdm = fdm = initialised(aircraft, timing.plant_step, [a for each in told for a in each.additions])
-        start(fdm, aircraft, trim, wind_n, integrators)
+        start(fdm, aircraft, trim, wind_n, integrators, [each.settled for each in told])
         self._events = Schedule(fdm, [event for each in told for event in (*each.events, *each.at_start(fdm))])
         self._row = 0
         self.x1_trim = np.array([trim.phi, trim.theta, 0.0])
@@ -140,7 +143,8 @@ class JSBSimPlant:
             hold,
             name="airspeed hold",
         )
-        self._push = bridge.push_stage.block(params_of(bridge.PUSH_PARAMS, J=model.inertia_kgm2), push, name="push")
+        J = model.inertia_kgm2 if inertia is None else inertia
+        self._push = bridge.push_stage.block(params_of(bridge.PUSH_PARAMS, J=J), push, name="push")
         self._reading = Reading(fdm, aircraft, model, throttles=bool(trim.throttles), engines=engines)
         self._frames = timing.substeps
         self._pushes = has_wind or has_moment

@@ -13,7 +13,7 @@ Three ways, tried in this order:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import jsbsim
@@ -227,13 +227,19 @@ WIND = ("atmosphere/wind-north-fps", "atmosphere/wind-east-fps", "atmosphere/win
 
 
 def start(
-    fdm: jsbsim.FGFDMExec, aircraft: Aircraft, trim: Trim, wind_n: np.ndarray, integrators: dict[str, int]
+    fdm: jsbsim.FGFDMExec,
+    aircraft: Aircraft,
+    trim: Trim,
+    wind_n: np.ndarray,
+    integrators: dict[str, int],
+    settled: Iterable[Callable[[jsbsim.FGFDMExec], None]] = (),
 ) -> None:
     """Start the flight from the trim, in air that moves with `wind_n` (north, east, down), m/s, at time zero.
 
     The vehicle moves with the air, so that steady wind leaves it in trim. The first seconds are flown frozen: the
     engines come to speed, and all models have seen the wind before anything moves. Every flight starts so, from a
-    fresh FDM, whether its trim was solved just now or before: flights are identical to the bit.
+    fresh FDM, whether its trim was solved just now or before: flights are identical to the bit. What `settled` changes
+    about the vehicle is changed then, before anything moves.
     """
     hold(fdm, trim)
     command(fdm, trim)
@@ -249,6 +255,8 @@ def start(
     if aircraft.autothrottle is not None:
         fdm[aircraft.autothrottle.setpoint_fps] = trim.airspeed / FT_M
     run_for(fdm, SETTLE_S)
+    for change in settled:
+        change(fdm)
     if aircraft.autothrottle is not None:
         fdm[aircraft.autothrottle.switch] = 1
     for name, code in integrators.items():
