@@ -12,8 +12,11 @@ in the aircraft's XML is commanded to g total: it still lags, and its position i
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.saturation import sat
 from uavftc.core.given import Given
 from uavftc.core.stage import NOTHING, Block, Stage, law, records_of
@@ -41,6 +44,15 @@ def step(p, s, e, row):
 stage = Stage(step, PARAMS, STATE, reads=["deflection", "t"], writes=["deflection"])
 
 
+def share_of(entry: Any, given: Given) -> np.ndarray:
+    """Return the control power that a damage leaves of each effector, shape (n,)."""
+    share = np.ones(len(given.effectors))
+    for name, left in entry.control_power.items():
+        for j in given.targets[name]:
+            share[j] *= left
+    return share
+
+
 def blocks(config: None, given: Given) -> list[Block]:
     """Return the loss of each damage that takes control power; none without."""
     n = len(given.effectors)
@@ -48,10 +60,7 @@ def blocks(config: None, given: Given) -> list[Block]:
     for i, entry in enumerate(given.damage):
         if not entry.control_power:
             continue
-        share = np.ones(n)
-        for name, left in entry.control_power.items():
-            for j in given.targets[name]:
-                share[j] *= left
+        share = share_of(entry, given)
         params = records_of(
             PARAMS,
             n,
@@ -64,3 +73,15 @@ def blocks(config: None, given: Given) -> list[Block]:
         )
         found.append(stage.block(params, name=f"control power {i}"))
     return found
+
+
+def at_rest(config: None, given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return the deflections with the moments that are left."""
+    n = len(given.effectors)
+    trim = np.zeros(n) if given.trim_rad is None else np.asarray(given.trim_rad, dtype=float)
+    for entry in acting(given.damage, rest.t):
+        if entry.control_power:
+            share = share_of(entry, given)
+            stopped = np.where(share != 1.0, given.stops_rad.T, [[-np.inf], [np.inf]])
+            reach = reach.within(*stopped).scaled(share, (share - 1.0) * trim)
+    return [reach]

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault, put, struck
 from uavftc.config.values import Number
 from uavftc.core.given import Given
@@ -60,3 +61,11 @@ def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
             stage.block(records_of(PARAMS, len(each), start=hit.start, end=hit.end, step=each), name=f"drift {i}")
         )
     return found
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return what is reached as far as the surfaces have drifted at the time."""
+    for entry in acting(config, rest.t):
+        away = struck(entry, given).scale * np.radians(entry.rate_degps) * (rest.t - entry.start_s)
+        reach = reach.scaled(np.ones(len(away)), away)
+    return [reach]

@@ -12,6 +12,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault
 from uavftc.config.values import ZERO, AtLeast, Signal
 from uavftc.core.given import Given
@@ -76,3 +77,13 @@ def warnings(entry: Config, t: np.ndarray, window: str) -> list[tuple[str, str]]
         return []
     line = f"over 1 the {entry.surface} does more than commanded; it is flown as written"
     return [("effectiveness", f"{entry.effectiveness.text} reaches {peak:.3g} on {window}; {line}")]
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return eq. (6) of what is reached, with omega and v_2a as they are at the time."""
+    gain, offset, now = np.ones(len(reach.low)), np.zeros(len(reach.low)), np.array([rest.t])
+    for entry in acting(config, rest.t):
+        for j, weight in given.targets[entry.surface].items():
+            gain[j] = entry.effectiveness.sample(now)[0]
+            offset[j] = weight * np.radians(entry.bias_deg.sample(now)[0])
+    return [reach.scaled(gain, offset)]

@@ -18,6 +18,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault, put, struck
 from uavftc.config.values import Number, Positive
 from uavftc.core.given import Given
@@ -75,14 +76,19 @@ def step(p, s, e, row):
 stage = Stage(step, PARAMS, STATE, reads=["t", "alpha", "beta", "deflection"], writes=["deflection"])
 
 
+def by_sideslip(entry: Config, given: Given) -> np.ndarray:
+    """Return whether each effector would float with the sideslip, and not with the angle of attack, shape (n,)."""
+    yaws: np.ndarray = np.argmax(np.abs(given.mixing), axis=1) == 2
+    return yaws if entry.flow is None else np.full(len(yaws), entry.flow == "beta")
+
+
 def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
     """Return a block for each fault."""
-    yaws = np.argmax(np.abs(given.mixing), axis=1) == 2
     found = []
     for i, entry in enumerate(config):
         hit = struck(entry, given)
         n = len(hit.start)
-        beta = yaws if entry.flow is None else np.full(n, entry.flow == "beta")
+        beta = by_sideslip(entry, given)
         params = records_of(
             PARAMS,
             n,
@@ -95,3 +101,17 @@ def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
         )
         found.append(stage.block(params, name=f"float {i}"))
     return found
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return it with each floating surface where the flow takes it."""
+    for entry in acting(config, rest.t):
+        hit, beta = struck(entry, given), by_sideslip(entry, given)
+        floats = np.isfinite(hit.start)
+        reach = reach.put(floats, -hit.trim)
+        ratio = hit.sense * entry.ratio
+        reach = reach._replace(
+            by_alpha=np.where(floats & ~beta, ratio, reach.by_alpha),
+            by_beta=np.where(floats & beta, ratio, reach.by_beta),
+        )
+    return [reach]

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault, beyond_stops, put, struck
 from uavftc.config.values import Number, Problem
 from uavftc.core.given import Given
@@ -106,3 +107,14 @@ def problems(entry: Config, given: Given) -> list[Problem]:
 def remarks(entry: Config, given: Given) -> list[tuple[str, str]]:
     """Return (key, line) where the end is beyond a stop."""
     return [] if entry.to_deg is None else beyond_stops(entry, given, "to_deg", entry.to_deg)
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return it with each surface where it has run to at the time."""
+    for entry in acting(config, rest.t):
+        hit, start, to = struck(entry, given), rest.before(entry.start_s), ends(entry, given)
+        if entry.rate_degps is not None:
+            way = np.abs(hit.scale * np.radians(entry.rate_degps)) * (rest.t - entry.start_s)
+            to = start + np.clip(to - start, -way, way)
+        reach = reach.put(np.isfinite(hit.start), to)
+    return [reach]

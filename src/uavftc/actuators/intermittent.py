@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault, struck
 from uavftc.config.values import NonNegative, Number, Positive
 from uavftc.core.given import Given
@@ -103,4 +104,14 @@ def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
         )
         memory = np.concatenate([np.zeros((n, 2)), np.tile(times, (n, 1))], axis=1)
         found.append(stage.block(params, memory, name=f"intermittent {i}"))
+    return found
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return what is reached while each fault is there, and while it is away."""
+    found = [reach]
+    for entry in acting(config, rest.t):
+        hit = struck(entry, given)
+        gain = np.where(np.isfinite(hit.start), entry.effectiveness, 1.0)
+        found += [one.scaled(gain, hit.weight * np.radians(entry.bias_deg)) for one in found]
     return found

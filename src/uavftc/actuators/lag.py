@@ -29,6 +29,7 @@ import numpy as np
 from pydantic import Field
 
 from uavftc.actuators import backlash
+from uavftc.actuators.at_rest import Reach, Rest
 from uavftc.actuators.fault import SurfaceFault
 from uavftc.actuators.response import LONGEST, first_order, rate_of, second_order
 from uavftc.actuators.servo import LEAST_RAD, Keys, moved_of, note, part_of, schedule, servos, value_of
@@ -182,3 +183,8 @@ def blocks(config: Config, given: Given) -> list[Block]:
     params["low"], params["high"] = positions(config, given).T
     params["count"] = rate.switches
     return [stage.block(params, np.column_stack([np.zeros((len(params), 2)), rate.table]))]
+
+
+def at_rest(config: Config, given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return what is between the limits of the servo's position."""
+    return [reach.within(*positions(config, given).T)]

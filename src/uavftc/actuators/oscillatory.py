@@ -16,6 +16,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault, put, struck
 from uavftc.config.values import Number, Positive, Problem
 from uavftc.core.given import Given
@@ -93,3 +94,16 @@ def problems(entry: Config, given: Given) -> list[Problem]:
         return []
     expected = f"below {highest:g} Hz, half the rate of the plant steps"
     return [Problem(("frequency_hz",), f"{entry.frequency_hz:g}", expected, "lower it, or raise simulation.substeps")]
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return what is reached at either end of each oscillation, as if it stayed there."""
+    found = [reach]
+    for entry in acting(config, rest.t):
+        hit = struck(entry, given)
+        ends = [sign * hit.scale * np.radians(entry.amplitude_deg) for sign in (1.0, -1.0)]
+        if entry.mode == "solid":
+            found = [one.put(np.isfinite(hit.start), end) for one in found for end in ends]
+        else:
+            found = [one.scaled(np.ones(len(end)), end) for one in found for end in ends]
+    return found

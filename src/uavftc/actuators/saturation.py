@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import ConfigDict, Discriminator, Field, Tag, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
+from uavftc.actuators.at_rest import Reach, Rest
 from uavftc.config.values import Model, Number
 from uavftc.core.given import Given
 from uavftc.core.layout import Targets
@@ -135,3 +136,8 @@ def blocks(config: Limits | SurfaceLimits | None, given: Given) -> list[Block]:
         return []
     low, high = effector_limits(config, given.mixing, given.targets).T
     return [stage.block(records_of(PARAMS, len(given.effectors), u_min=low, u_max=high))]
+
+
+def at_rest(config: Limits | SurfaceLimits | None, given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return what is within the limits."""
+    return [reach.within(*effector_limits(config, given.mixing, given.targets).T)]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from uavftc.actuators import saturation
+from uavftc.actuators.at_rest import Reach, Rest
 from uavftc.core.given import Given
 from uavftc.core.stage import Block, records_of
 
@@ -20,3 +21,8 @@ def blocks(config: None, given: Given) -> list[Block]:
         return []
     low, high = given.stops_rad.T
     return [stage.block(records_of(PARAMS, len(given.effectors), u_min=low, u_max=high), name="stops")]
+
+
+def at_rest(config: None, given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return what is between the stops."""
+    return [reach.within(*given.stops_rad.T)]

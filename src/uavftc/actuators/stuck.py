@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault, beyond_stops, put, struck
 from uavftc.config.values import Number
 from uavftc.core.given import Given
@@ -74,3 +75,12 @@ def block_of(entry: Config, given: Given, name: str) -> Block:
 def remarks(entry: Config, given: Given) -> list[tuple[str, str]]:
     """Return (key, line) where the place is beyond a stop."""
     return [] if entry.at_deg is None else beyond_stops(entry, given, "at_deg", entry.at_deg)
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return it with each surface where it is stuck; where that is not given, where it was before."""
+    for entry in acting(config, rest.t):
+        hit = struck(entry, given)
+        there = hit.scale * np.radians(entry.at_deg) - hit.trim if entry.at_deg is not None else None
+        reach = reach.put(np.isfinite(hit.start), rest.before(entry.start_s) if there is None else there)
+    return [reach]

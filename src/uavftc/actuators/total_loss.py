@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from uavftc.actuators.at_rest import Reach, Rest, acting
 from uavftc.actuators.fault import SurfaceFault, put, struck
 from uavftc.core.given import Given
 from uavftc.core.stage import Block, Stage, law, records_of
@@ -51,3 +52,12 @@ def blocks(config: tuple[Config, ...], given: Given) -> list[Block]:
         params = records_of(PARAMS, len(hit.start), start=hit.start, end=hit.end, trim=hit.trim)
         found.append(stage.block(params, name=f"total-loss {i}"))
     return found
+
+
+def at_rest(config: tuple[Config, ...], given: Given, rest: Rest, reach: Reach) -> list[Reach]:
+    """Return it with each lost surface at a total deflection of zero, where no command moves it."""
+    for entry in acting(config, rest.t):
+        hit = struck(entry, given)
+        lost = np.isfinite(hit.start)
+        reach = reach.scaled(np.where(lost, 0.0, 1.0), np.where(lost, -hit.trim, 0.0))
+    return [reach]

@@ -108,6 +108,16 @@ observe_stage = Stage(observe, NOTHING, STATE, reads=[], writes=VEHICLE)
 stage = Stage(step, PARAMS, STATE, reads=["u2", "d1", "d2"], writes=[])
 
 
+def struck_model(
+    J: np.ndarray, A_l: np.ndarray, B_m: np.ndarray, damage: Sequence[Any]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return J, A_l and B_m with entries of damage: the moments stay as they are, and J is another."""
+    if not damage:
+        return J, A_l, B_m
+    now = damaged(1.0, J, [piece_of(entry, 1.0) for entry in damage]).inertia  # of no other mass
+    return of_another_inertia(J, A_l, B_m, now)
+
+
 def of_another_inertia(
     J: np.ndarray, A_l: np.ndarray, B_m: np.ndarray, now: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -174,10 +184,7 @@ class AnalyticPlant:
             self._struck.append(entry)
         else:
             self._struck = [other for other in self._struck if other is not entry]
-        J, A_l, B_m = self._undamaged
-        if self._struck:
-            now = damaged(1.0, J, [piece_of(other, 1.0) for other in self._struck]).inertia  # of no other mass
-            J, A_l, B_m = of_another_inertia(J, A_l, B_m, now)
+        J, A_l, B_m = struck_model(*self._undamaged, self._struck)
         self._params["c"], self._params["A_l"], self._params["B_m"] = coefficients(J), A_l, B_m
 
     def before(self) -> list[Block]:

@@ -24,6 +24,13 @@ class Timing(NamedTuple):
         return self.h / self.substeps
 
 
+class State:
+    """The places of what describes a vehicle that is held: m/s, rad, rad, rad, rad, rad/s about the vertical, 0..1."""
+
+    AIRSPEED, ALPHA, BETA, BANK, PITCH, TURN, THROTTLE = range(7)
+    COUNT = 7
+
+
 class Plant(Protocol):
     """A vehicle: it writes its state into each row, and moves on under the deflections it finds there."""
 

@@ -72,13 +72,13 @@ def summary(
         "controller": controller,
         "completed": bool(completed),
         "ended_because": ended_because,
-        "ended_at_s": _plain(ended_at_s),
+        "ended_at_s": plain(ended_at_s),
         "numerical": bool(numerical),
-        "verdict": _plain(verdict),
-        "axes": {axis: {m.name: _plain(axes[axis][m.name]) for m in metrics.METRICS} for axis in AXES},
-        "timing": _plain(timing),
+        "verdict": plain(verdict),
+        "axes": {axis: {m.name: plain(axes[axis][m.name]) for m in metrics.METRICS} for axis in AXES},
+        "timing": plain(timing),
         "warnings": list(warnings),
-        "provenance": _plain(provenance),
+        "provenance": plain(provenance),
     }
 
 
@@ -126,14 +126,14 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
     path.write_text(text_of(data), encoding="utf-8", newline="\n")
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return `value` as JSON knows it: NumPy numbers and arrays as Python's, what is not finite as None."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

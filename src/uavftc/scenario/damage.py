@@ -158,3 +158,23 @@ class Damage(Window):
         said += ["moment"] if any(self.moment_nm) else []
         said += ["aerodynamics"] if any(self.coefficients.values()) else []
         return said + [f"{name} {100 * left:g} %" for name, left in self.control_power.items()]
+
+    def part(self, share: float) -> Damage | None:
+        """Return a part of it, 0..1: each change times the share, each control power that much nearer; None of 0."""
+        if share <= 0.0:
+            return None
+        inertia = {name: share * value for name, value in self.inertia_kgm2}
+        lost = self.lift_lost
+        return self.model_copy(
+            update={
+                **{key: share * getattr(self, key) for key in ("mass_kg", "drag_area_m2")},
+                **{
+                    key: tuple(share * x for x in getattr(self, key))
+                    for key in ("cg_m", "force_n", "force_area_m2", "moment_nm")
+                },
+                "inertia_kgm2": self.inertia_kgm2.model_copy(update=inertia),
+                "lift_lost": lost and lost.model_copy(update={"fraction": share * lost.fraction}),
+                "coefficients": {name: share * value for name, value in self.coefficients.items()},
+                "control_power": {name: 1.0 - share * (1.0 - left) for name, left in self.control_power.items()},
+            }
+        )
