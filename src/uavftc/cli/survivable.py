@@ -28,9 +28,7 @@ def survivable(
         Optional[list[str]],  # noqa: UP045
         typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
     ] = None,
-    within_deg: Annotated[
-        float, typer.Option(help="How near to the reference a steady state must be, bank and pitch, deg.")
-    ] = 1.0,
+    within_deg: Annotated[float, typer.Option(help="How near to the reference a steady state must be, deg.")] = 1.0,
     sweep: Annotated[
         bool,
         typer.Option(

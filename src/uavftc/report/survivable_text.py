@@ -147,7 +147,9 @@ def _state(phase: dict[str, Any]) -> Iterator[str]:
         yield f"steady with {surfaces} deg"
         return
     off = [abs(state[f"{name}_rad"] - phase["reference"][f"{name}_rad"]) for name in ("bank", "pitch")]
+    more = state["turn_radps"] - phase["reference"]["turn_radps"]
     at = f"bank {_deg(state['bank_rad'])}, pitch {_deg(state['pitch_rad'])}, " if max(off) > 1e-4 else ""
+    at += f"turning {_deg(more)} deg/s more than asked, " if abs(more) > 1e-4 else ""
     flow = f"incidence {_deg(state['alpha_rad'])}, sideslip {_deg(state['beta_rad'])}"
     yield f"steady at {at}{flow} deg, throttle {state['throttle']:.2f}; {surfaces} deg"
     rate = phase["residual"]["thrust and drag"]

@@ -8,7 +8,8 @@ Levels, from the best:
     none       no incidence and sideslip at which the moments balance
 
 The first two are a yes: of the attitude, which is what the controllers hold. A steady state within a tolerance of the
-reference counts as one at it, and the difference is given. On the rotational model there are moments only, and their
+reference counts as one at it, and the difference is given: of bank and pitch, and of the heading in the time that the
+phase lasts, so that a slow turn is within it for a short one. On the rotational model there are moments only, and their
 balance is `steady`.
 """
 
@@ -62,7 +63,9 @@ class Question(NamedTuple):
     loads: np.ndarray
     """Of the disturbances, shape (N, 3), rad/s^2."""
     within: float
-    """rad, of bank and pitch."""
+    """rad, of bank and pitch, and of the heading as long as it lasts."""
+    lasts: float
+    """s."""
 
     @property
     def system(self) -> System:
@@ -127,10 +130,12 @@ def judge(question: Question, hints: Sequence[np.ndarray] = (), *, thorough: boo
 
 def _attitude(question: Question, system: System, starts: Sequence[np.ndarray]) -> tuple[str, Found]:
     """Return the level where the attitude may be off by the tolerance, and the state nearest to the reference."""
-    case, free, goals = question.case, question.free, [State.BANK, State.PITCH]
+    case, free, goals = question.case, question.free, [State.BANK, State.PITCH, State.TURN]
+    wanted = np.array([case.bank, case.pitch, case.turn])
+    off = question.within * np.array([1.0, 1.0, 2.0 / question.lasts])  # a heading from one end to the other
     loose = system
-    for i, at in zip(goals, (case.bank, case.pitch), strict=True):
-        loose = loose.bounded(i, at - question.within, at + question.within)
+    for i, at, most in zip(goals, wanted, off, strict=True):
+        loose = loose.bounded(i, at - most, at + most)
     found = solve(loose, starts, [*free, *goals], ATTITUDE)
     if not found.met:
         return "none", solve(system, [question.start(found.x, found.x[State.AIRSPEED])], free, ATTITUDE)
@@ -140,11 +145,8 @@ def _attitude(question: Question, system: System, starts: Sequence[np.ndarray]) 
             return "attitude", exact
         steady = solve(system, [exact.x], free, EVERY)
         return ("steady", steady) if steady.met else ("attitude", _nearest_thrust(system, exact, free))
-    closest = nearest(loose, found.x, [*free, *goals], ATTITUDE, goals, np.array([case.bank, case.pitch]))
+    closest = nearest(loose, found.x, [*free, *goals], ATTITUDE, goals, wanted)
     closest = closest if closest.met else found
-    fixed = loose
-    for i in goals:  # there, with the airspeed held where it can be
-        fixed = fixed.bounded(i, float(closest.x[i]), float(closest.x[i]))
     steady = solve(loose, [closest.x], [*free, *goals], EVERY)
     return ("steady", steady) if steady.met else ("attitude", closest)
 

@@ -63,7 +63,7 @@ class Study:
     flight
         As built; it is not flown.
     within
-        How near to the reference a steady state must be, rad, of bank and pitch.
+        How near to the reference a steady state must be, rad.
     """
 
     def __init__(self, flight: Flight, within: float) -> None:
@@ -83,7 +83,7 @@ class Study:
         found: list[tuple[Question, Judged]] = []
         hints: list[np.ndarray] = []
         for case in cases:
-            question = Question(vehicle, case, loads, self.within)
+            question = Question(vehicle, case, loads, self.within, phase.end_s - phase.start_s)
             judged = judge(question, hints[-1:])
             if judged.at.met:
                 hints.append(judged.at.x)
@@ -112,7 +112,7 @@ class Study:
 
     def _asked_of_clean(self, question: Question, seen: Sampled) -> Question:
         case = question.case._replace(reach=self._free)
-        return Question(self._clean, case, self._clean.loads(seen), self.within)
+        return question._replace(vehicle=self._clean, case=case, loads=self._clean.loads(seen))
 
     def _at(self, start_s: float) -> tuple[np.ndarray, float]:
         """Return deflections and throttle at the end of the phase before a time; those of the trim at the start."""
@@ -190,7 +190,7 @@ class Study:
         vehicle = self._vehicle(seen.phase, share) if share < 1.0 else whole.vehicle
         case: Case = whole.case._replace(reach=reach)
         loads = seen.clean.loads + share * (whole.loads - seen.clean.loads)
-        question = Question(vehicle, case, loads, self.within)
+        question = whole._replace(vehicle=vehicle, case=case, loads=loads)
         return question, judge(question, [hint], thorough=False)
 
 
