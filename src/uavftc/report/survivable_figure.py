@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from uavftc.report import panels
-from uavftc.report.panels import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
+from uavftc.report.palette import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
 from uavftc.results.single import figure_metadata, write_single
 
 LOOKS = {"roll": (BLUE, "-"), "pitch": (ORANGE, "--"), "yaw": (GREEN, "-.")}
