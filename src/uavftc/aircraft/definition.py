@@ -11,8 +11,10 @@ The companion is optional, and so is each of its keys: what it does not say is m
 from __future__ import annotations
 
 import difflib
+import functools
 import hashlib
 import importlib.util
+import os
 import re
 from pathlib import Path
 from typing import Annotated
@@ -217,10 +219,36 @@ class Aircraft(Model):
 
     def sha256(self) -> str:
         """Return the checksum of all files of the definition, names included."""
-        digest = hashlib.sha256()
-        for file in sorted(p for p in self.folder.rglob("*") if p.suffix in (".xml", ".yaml") and p.is_file()):
-            digest.update(file.relative_to(self.folder).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
-        return digest.hexdigest()
+        return _checksum(self.folder, stamp(self.folder))
+
+
+Stamp = tuple[tuple[str, int, int, int, int], ...]
+"""Of each file of a folder its name and what changes with its content: inode, size, times of content and entry, ns."""
+
+
+def stamp(folder: Path) -> Stamp:
+    """Return what tells one state of the files of a definition from another without reading them."""
+    found, waiting = [], [str(folder)]
+    while waiting:
+        try:
+            entries = list(os.scandir(waiting.pop()))
+        except OSError:
+            continue
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                waiting.append(entry.path)
+            elif entry.name.endswith((".xml", ".yaml")) and entry.is_file():
+                state = os.stat(entry.path)
+                found.append((entry.path, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns))
+    return tuple(sorted(found))
+
+
+@functools.lru_cache(maxsize=64)
+def _checksum(folder: Path, _stamp: Stamp) -> str:
+    digest = hashlib.sha256()
+    for file in sorted(p for p in folder.rglob("*") if p.suffix in (".xml", ".yaml") and p.is_file()):
+        digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()
 
 
 def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
@@ -254,8 +282,12 @@ def load_aircraft(aircraft: str, where: str = "aircraft") -> Aircraft:
     companion = folder / COMPANION
     if not companion.is_file():
         return _bare(folder.name, folder)
-    document = read_document(companion, what="companion file of an aircraft")
-    return _validated(document, folder)
+    return _companion(companion, folder, stamp(folder))
+
+
+@functools.lru_cache(maxsize=64)
+def _companion(companion: Path, folder: Path, _stamp: Stamp) -> Aircraft:
+    return _validated(read_document(companion, what="companion file of an aircraft"), folder)
 
 
 def _validated(document: Document, folder: Path) -> Aircraft:
