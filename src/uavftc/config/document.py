@@ -68,6 +68,10 @@ class Origin:
     def __init__(self, document: Document | None = None) -> None:
         self._document = document
 
+    def place(self, key: Key) -> str:
+        """Return the file and line of a key, or that there is none."""
+        return "in Python" if self._document is None else self._document.place(key)
+
     def where(self, key: Key) -> str:
         """Return the place of a key as a message begins with it: ``file, line N, key faults[0].surface``."""
         place = "" if self._document is None else f"{self._document.place(key)}, "

@@ -319,5 +319,5 @@ def find_campaign(source: str | Path) -> Path:
 
 
 def where_varied(campaign: Campaign, key: str) -> str:
-    """Return the place of a varied key, as a message begins with it."""
-    return campaign.origin.where(("vary", key))
+    """Return the file and line of a varied key."""
+    return campaign.origin.place(("vary", key))

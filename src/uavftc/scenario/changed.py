@@ -41,11 +41,15 @@ class Changing:
     def __init__(self, scenario: Scenario) -> None:
         self._data = scenario.model_dump()
 
-    def __call__(self, values: Mapping[str, Any], where: str = "") -> Scenario:
-        """Return it with other values at dotted keys; arguments and errors as those of `changed`."""
-        document = Document(_lists(self._data), where or "a change of the scenario")
+    def __call__(self, values: Mapping[str, Any], where: str | Mapping[str, str] = "") -> Scenario:
+        """Return it with other values at dotted keys; arguments and errors as those of `changed`.
+
+        `where` may give each key its place.
+        """
+        places = where if isinstance(where, Mapping) else dict.fromkeys(values, where)
+        document = Document(_lists(self._data), next(iter(places.values()), "") or "a change of the scenario")
         for key, value in values.items():
-            put(document, key, value, where or f"{key} = {value}"[:200])
+            put(document, key, value, places[key] or f"{key} = {value}"[:200])
         return _made(document)
 
 

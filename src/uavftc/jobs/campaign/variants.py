@@ -10,7 +10,7 @@ from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.jobs.campaign.cases import Cases, extremes
 from uavftc.scenario.campaign import Campaign, where_varied
-from uavftc.scenario.changed import changed
+from uavftc.scenario.changed import Changing
 from uavftc.scenario.load import controller_name
 from uavftc.scenario.schema import Scenario
 
@@ -66,30 +66,31 @@ def refuse(campaign: Campaign, variants: Sequence[Variant], cases: Cases) -> Non
         If a key does not exist there, or a value is wrong, or a base cannot be flown.
     """
     first = cases.values(0)
+    places = {key: where_varied(campaign, key) for key in campaign.vary}
     for variant in variants:
+        changing = Changing(variant.scenario)
         for key, vary in campaign.vary.items():
-            where = where_varied(campaign, key)
             for value in extremes(vary)[:CHECKED]:
                 try:
-                    made = changed(variant.scenario, {**first, key: value}, where)
+                    made = changing({**first, key: value}, places)
                 except InputError as error:
-                    raise _with_variant(error, variant, len(variants)) from None
-                _refuse_unreached(made, key, value, where)
+                    raise _located(error, key, variant, len(variants)) from None
+                _refuse_unreached(made, {**first, key: value}, places)
         build_flight(variant.scenario)
 
 
-def _with_variant(error: InputError, variant: Variant, among: int) -> InputError:
-    if among == 1:
-        return error
-    found = f"{error.found} (with {variant.title})"
-    return InputError(error.where, found=found, expected=error.expected, remedy=error.remedy)
+def _located(error: InputError, key: str, variant: Variant, among: int) -> InputError:
+    where = error.where if ", key " in error.where else f"{error.where}, key {key}"
+    found = error.found if among == 1 else f"{error.found} (with {variant.title})"
+    return InputError(where, found=found, expected=error.expected, remedy=error.remedy)
 
 
-def _refuse_unreached(scenario: Scenario, key: str, value: Any, where: str) -> None:
-    if not reached(scenario, {key: value}):
+def _refuse_unreached(scenario: Scenario, values: Mapping[str, Any], places: Mapping[str, str]) -> None:
+    lost = reached(scenario, values)
+    if not lost:
         return
     raise InputError(
-        where,
+        f"{places[lost[0]]}, key {lost[0]}",
         found="a key that another varied key changes too",
         expected="keys of which none holds another",
         remedy="vary either the section or the keys in it",

@@ -13,6 +13,7 @@ aircraft reads, it reads from the author's folder. Lines keep their numbers.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 from collections.abc import Sequence
@@ -59,8 +60,7 @@ def copy_of(aircraft: Aircraft, declared: Sequence[str] = (), additions: Sequenc
         If the file cannot be read, is not well-formed, declares entities, or carries another aircraft.
     """
     try:
-        data = aircraft.xml.read_bytes()
-        copy = edited(data, moment=aircraft.disturbance_moment is None, declared=declared, additions=additions)
+        copy, checksum = _edited(aircraft, aircraft.sha256(), tuple(declared), tuple(additions))
     except OSError as error:
         raise _unusable(aircraft, error.strerror or str(error), "a file that can be read") from None
     except expat.ExpatError as error:
@@ -68,12 +68,22 @@ def copy_of(aircraft: Aircraft, declared: Sequence[str] = (), additions: Sequenc
         raise _unusable(aircraft, found, "well-formed XML") from None
     except _RefusedError as error:
         raise _unusable(aircraft, *error.args) from None
-    file = cache_folder("aircraft", hashlib.sha256(copy).hexdigest()[:32]) / aircraft.xml.name
+    file = cache_folder("aircraft", checksum[:32]) / aircraft.xml.name
     if not file.is_file() or file.read_bytes() != copy:
         partial = file.with_suffix(f".{os.getpid()}")
         partial.write_bytes(copy)
         partial.replace(file)
     return file
+
+
+@functools.lru_cache(maxsize=64)
+def _edited(
+    aircraft: Aircraft, _checksum: str, declared: tuple[str, ...], additions: tuple[Addition, ...]
+) -> tuple[bytes, str]:
+    """Return the copy and its checksum."""
+    data = aircraft.xml.read_bytes()
+    copy = edited(data, moment=aircraft.disturbance_moment is None, declared=declared, additions=additions)
+    return copy, hashlib.sha256(copy).hexdigest()
 
 
 def _unusable(aircraft: Aircraft, found: str, expected: str) -> InputError:
