@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from spectra import air, model, variance
 
 from flying import given_of
+from uavftc.aircraft.definition import load_aircraft
 from uavftc.config.shipped import scenario_names
 from uavftc.core.program import Program
 from uavftc.core.signals import as_records, empty_rows
@@ -20,6 +21,7 @@ from uavftc.flight import fly
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.plants.interface import Timing
+from uavftc.plants.jsbsim.span import span
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
@@ -217,6 +219,15 @@ def test_an_aircraft_without_a_span_is_told_what_to_do():
     assert "bird" in problem.expected
     assert "rotational: false" in problem.remedy
     assert turbulence.problems(turbulence.Config(**GIVEN, rotational=False), given) == []
+
+
+def test_the_span_is_found_in_a_file_that_the_aircraft_includes(tmp_path):
+    # as the models of the University of Minnesota are written
+    main = '<fdm_config name="bird"><metrics file="Metrics.xml"/></fdm_config>'
+    (tmp_path / "bird").mkdir()
+    (tmp_path / "bird" / "bird.xml").write_text(main)
+    (tmp_path / "bird" / "Metrics.xml").write_text('<metrics><wingspan unit="IN">50</wingspan></metrics>')
+    assert span(load_aircraft(str(tmp_path / "bird"))) == pytest.approx(1.27, rel=1e-12)
 
 
 SCENARIO = {

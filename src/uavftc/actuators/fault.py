@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
-from uavftc.config.values import NonNegative, SurfaceName, Window
+from uavftc.config.values import Flag, NonNegative, SurfaceName, Window
 from uavftc.core.given import Given
 from uavftc.core.stage import law
 
@@ -19,7 +19,7 @@ from uavftc.core.stage import law
 class Fault(Window):
     """A fault on [start_s, end_s), of which the controller is told nothing unless it says so."""
 
-    known: bool = False
+    known: Flag = False
     """whether the controller is told of it"""
     known_after_s: NonNegative = 0.0
     """how long after its beginning, where it is told: the time of a detection; it knows of the end as late"""

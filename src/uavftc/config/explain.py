@@ -120,6 +120,8 @@ def _problem(item: Any, key: Key, model: type[BaseModel], root: type[BaseModel])
             if isinstance(value, str):
                 remedy += " without quotes; this key takes no expression of t"
             return Problem(key, found, f"a finite number{unit}", remedy)
+        case "bool_type":
+            return Problem(key, found, "true or false", "write true or false, without quotes")
         case "int_type":
             return Problem(key, found, "a whole number", "write it without quotes and decimal point")
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
@@ -133,7 +135,8 @@ def _problem(item: Any, key: Key, model: type[BaseModel], root: type[BaseModel])
             expected = ctx.get("max_length", ctx.get("min_length"))
             return Problem(key, f"{ctx['actual_length']} entries", f"{expected} entries", "give as many as expected")
         case "string_type":
-            return Problem(key, found, "a text", "put it in quotes")
+            plain = isinstance(value, int | float)
+            return Problem(key, found, "a text", "put it in quotes" if plain else "write one text in its place")
         case "string_pattern_mismatch":
             expected = "letters, digits, dot, dash and underscore, beginning with a letter or digit"
             return Problem(key, found, expected, "the name becomes the name of a folder: choose a plain one")

@@ -71,6 +71,7 @@ Number = Annotated[float, Strict(), AllowInfNan(False)]
 Positive = Annotated[Number, Field(gt=0)]
 NonNegative = Annotated[Number, Field(ge=0)]
 Whole = Annotated[int, Strict()]
+Flag = Annotated[bool, Strict()]
 
 
 def three(value: Any) -> Any:

@@ -39,7 +39,7 @@ import numpy as np
 from pydantic import model_validator
 
 from uavftc.config.labels import each
-from uavftc.config.values import NonNegative, Positive, Problem, Window, list_of, refusal
+from uavftc.config.values import Flag, NonNegative, Positive, Problem, Window, list_of, refusal
 from uavftc.core.given import Given
 from uavftc.core.kinematics import to_north_east_down
 from uavftc.core.linear3 import multiply
@@ -113,7 +113,7 @@ class Config(Window):
     """[u, v, w] in body axes, in place of a severity: root mean square of each velocity"""
     length_m: Lengths | None = None
     """[u, v, w], with `sigma_mps`: scale length of each velocity"""
-    rotational: bool = True
+    rotational: Flag = True
     """whether the air turns too; the moments are those of the aircraft's damping at trim, and need its span"""
     fade_s: NonNegative = 2.0
     """time over which it fades in at `start_s`, and out before `end_s`"""

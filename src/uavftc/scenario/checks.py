@@ -50,6 +50,7 @@ def warnings(scenario: Scenario) -> list[str]:
                 f"{key_text(key)}: starts at {entry.start_s:g} s, after the end of the flight at "
                 f"{scenario.duration_s:g} s; it has no effect"
             )
+    lines += _told_nothing(scenario)
     controller = scenario.controller
     for loop in LOOPS if isinstance(controller, Controller) else ():
         config = getattr(controller, loop)
@@ -57,6 +58,20 @@ def warnings(scenario: Scenario) -> list[str]:
         lines += [f"controller.{loop}.{field}: {line}" for field, line in found]
     if controller.delay_s >= scenario.duration_s:
         lines.append("controller.delay_s: no shorter than the flight, so no command reaches a surface")
+    return lines
+
+
+def _told_nothing(scenario: Scenario) -> list[str]:
+    """Return a line for each fault that says when the controller is told, and of which it never is."""
+    lines = []
+    for i, fault in enumerate(scenario.faults):
+        told = fault.known_from_s
+        if told is None and fault.known_after_s:
+            lines.append(f"faults[{i}].known_after_s: without known: true the controller is told nothing")
+        elif told is not None and told > scenario.duration_s >= fault.start_s:
+            lines.append(
+                f"faults[{i}].known_after_s: the flight ends before {told:g} s, so the controller is told nothing"
+            )
     return lines
 
 
