@@ -23,12 +23,13 @@ FAMILIES = ("beyond/fault-", "beyond/engine-")
 
 INTRODUCTION = """# Where each fault leaves each controller
 
-Each row is a shipped scenario, flown on JSBSim as it stands but for the controller. A cell begins with the margin of
-the flight, by the requirements that hold where a scenario has none ([requirements.md](requirements.md)), and what
-limits it: 1 at best, below 0 where a requirement is broken, at most -1 where the vehicle is lost. Then come the largest
-attitude error on any axis from the beginning of the fault on and the largest at the end of the flight, deg, and the
-travel of the three axis commands together over the flight, rad; of a vehicle that is lost, when, and what ended it. The
-flights of 12 s on the c172p end before their errors have died away.
+Each row is a shipped scenario, flown on JSBSim as it stands but for the controller; [gallery.md](gallery.md) has each
+drawn, under the first of them. A cell begins with the margin of the flight, by the requirements that hold where a
+scenario has none ([requirements.md](requirements.md)), and what limits it: 1 at best, below 0 where a requirement is
+broken, at most -1 where the vehicle is lost. Then come the largest attitude error on any axis from the beginning of the
+fault on and the largest at the end of the flight, deg, and the travel of the three axis commands together over the
+flight, rad; of a vehicle that is lost, when, and what ended it. The flights of 12 s on the c172p end before their
+errors have died away.
 
     python tools/fault_table.py
 

@@ -40,8 +40,9 @@ def sizes(paths: list[Path]) -> dict[str, tuple[int, int]]:
     return found
 
 
-def test_four_figures_of_the_size_of_a_slide(tmp_path, make_history):
+def test_four_figures_of_the_size_of_a_slide_and_one_of_all_on_one_page(tmp_path, make_history):
     bare = sizes(write_figures(tmp_path / "bare", make_history(4001), FigureContext("x")))
+    assert bare.pop("overview.png") == (900, 600)
     assert bare == {
         "tracking.png": (1650, 1290),
         "control.png": (1650, 1290),
@@ -50,7 +51,8 @@ def test_four_figures_of_the_size_of_a_slide(tmp_path, make_history):
     }
     paths = write_figures(tmp_path / "figures", make_history(4001), CONTEXT)
     # with a list of three windows in two lines of 0.22 in, a strip of two lanes of 0.19 in, and 0.06 in below each
-    assert sizes(paths) == {name: (width, height + 141) for name, (width, height) in bare.items()}
+    higher = {name: (width, height + 141) for name, (width, height) in bare.items()}
+    assert sizes(paths) == higher | {"overview.png": (900, 600)}  # of one size, whatever happened
 
 
 def test_no_figure_of_the_air_without_an_airspeed(tmp_path, make_history):
@@ -59,6 +61,7 @@ def test_no_figure_of_the_air_without_an_airspeed(tmp_path, make_history):
         "tracking.png",
         "control.png",
         "estimates.png",
+        "overview.png",
     ]
 
 
@@ -70,8 +73,8 @@ def test_a_flight_lost_at_once_is_drawn(tmp_path, make_history, rows):
 def test_a_history_of_nothing_but_nan_and_one_without_columns_are_drawn(tmp_path, make_history):
     history = make_history(100)
     empty = {name: v if name == "time_s" else np.full_like(v, np.nan) for name, v in history.items()}
-    assert len(write_figures(tmp_path, empty, CONTEXT)) == 3
-    assert len(write_figures(tmp_path, {"time_s": history["time_s"]}, CONTEXT)) == 3
+    assert len(write_figures(tmp_path, empty, CONTEXT)) == 4
+    assert len(write_figures(tmp_path, {"time_s": history["time_s"]}, CONTEXT)) == 4
 
 
 def test_a_diverged_end_neither_fails_nor_flattens_the_axes(make_history):

@@ -19,6 +19,7 @@ from uavftc.report import panels
 from uavftc.report.air_figure import air
 from uavftc.report.chatter import chatter
 from uavftc.report.drawn import Drawn, History
+from uavftc.report.overview import STYLE, overview
 from uavftc.report.palette import ACTUAL, COMMAND, DEFLECTION, ESTIMATE, GREEN, REFERENCE
 from uavftc.report.panels import IDLE_DEGPS, column, deg, letters
 from uavftc.report.signals_figure import custom
@@ -54,6 +55,9 @@ def write_figures(folder: Path, history: History, context: FigureContext) -> lis
         for name, figure in draw.items():
             paths.append(folder / f"{name}.png")
             figure(history, context).savefig(paths[-1])
+    paths.append(folder / "overview.png")
+    with panels.style(STYLE):
+        overview(history, context).savefig(paths[-1])
     return paths
 
 

@@ -293,6 +293,11 @@ def _named(window: FlightWindow) -> str:
     return window.name.replace("^2", "\N{SUPERSCRIPT TWO}")
 
 
+def named(window: FlightWindow, end: float) -> str:
+    """Return what a list calls a window, with its time; the flight ends at `end`, s."""
+    return f"{_named(window)} ({_when(window, end)})"
+
+
 def _cut(text: str, room: float) -> str:
     """Return as much of a text as has room, points."""
     if width_of(text, _SIZE) <= room:

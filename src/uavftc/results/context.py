@@ -20,8 +20,12 @@ class FigureContext:
     limits_rad: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
     """Least and greatest deflection of each surface, rad; None or absent where there is no limit. Of `aileron`,
     `elevator` and `rudder` it is about trim, of any other effector as its position counts, trim included."""
+    effectors: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """The effectors of each axis, by the name of its surface."""
     windows: Sequence[FlightWindow] = ()
     """Faults, damage, moving air, disturbances and errors of the sensors; figures number them in this order, from 1."""
+    ending: tuple[str, str] | None = None
+    """How it ended, as `summary.ending_of` says it; None says nothing of it."""
     controlled: Controlled = ALL
     """Whether roll, pitch and yaw are controlled; another axis has neither reference nor command."""
     signals: Sequence[OwnSignal] = ()

@@ -22,7 +22,7 @@ from uavftc.flight.fly import CHUNK_ROWS, Outcome
 from uavftc.plants.jsbsim.model import notes
 from uavftc.results.context import FigureContext
 from uavftc.results.history import write_history
-from uavftc.results.summary import provenance, summary, title_of
+from uavftc.results.summary import ending_of, provenance, summary, title_of
 from uavftc.results.windows import windows_of
 from uavftc.scenario.controllers import CustomController
 from uavftc.scenario.load import controller_name, scenario_text, warnings
@@ -94,12 +94,15 @@ class FlightResult(NamedTuple):
     def figure_context(self) -> FigureContext:
         """Return what the figures of this flight show next to its history."""
         outcome = self.outcome
-        title = title_of(self.summary())
+        document = self.summary()
+        title = title_of(document)
         if not outcome.completed:
             title += f"\nLOST: {outcome.ended_because}" if outcome.ended_because else "\nLOST"
         return FigureContext(
             title=title,
+            ending=ending_of(document),
             limits_rad=self._limits(),
+            effectors={surface: tuple(members) for surface, members in self.layout.gangs.items()},
             windows=windows_of(self.scenario, self.layout),
             controlled=controlled_of(self.axes),
             signals=self.layout.signals,

@@ -25,7 +25,7 @@ _HASHED_BYTES = 1 << 20  # read at a time
 _PLANTS = ("jsbsim", "analytic")
 FLIGHT = frozenset(
     [SUMMARY, "scenario.yaml", "history.parquet", "report.html"]
-    + [f"figures/{name}.png" for name in ("tracking", "control", "estimates", "air")]
+    + [f"figures/{name}.png" for name in ("tracking", "control", "estimates", "air", "custom", "overview")]
 )
 COMPARISON = frozenset(
     [SUMMARY, "scenario.yaml", "comparison.md", "comparison.csv"]

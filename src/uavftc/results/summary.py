@@ -115,6 +115,21 @@ def title_of(document: Mapping[str, Any]) -> str:
     return "{scenario}: {controller} on {name}, {plant}".format(**document, name=Path(document["aircraft"]).name)
 
 
+def ending_of(document: Mapping[str, Any]) -> tuple[str, str]:
+    """Return how a flight ended: its outcome, or `completed` where nobody judged it, and a short line that says it."""
+    verdict, ended = document["verdict"], document["ended_at_s"]
+    at = "" if document["completed"] or ended is None else f" at {ended:.1f} s"
+    because = ""
+    if not document["completed"]:
+        because = ": " + str(document["ended_because"] or "for an unknown reason").partition(", at t =")[0]
+    if verdict is None:
+        outcome = "completed" if document["completed"] else "ended"
+        return outcome, f"{outcome}{at}{because}"
+    text = f"{verdict['outcome']}{at}, margin {verdict['margin']:.2f}".replace("-", "\N{MINUS SIGN}")
+    limiting = f" ({verdict['limiting']})" if document["completed"] and verdict["limiting"] else ""
+    return verdict["outcome"], f"{text}{limiting}{because}"
+
+
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Write `data` as JSON, indented by 2, keys in the order given.
 
