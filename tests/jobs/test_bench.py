@@ -56,7 +56,7 @@ def test_the_document_holds_what_was_asked_for(document):
 
 def test_every_figure_is_a_positive_number_or_says_why_not(document):
     figures = dict(figures_of(document))
-    assert len(figures) == 13
+    assert len(figures) == 15
     for name, figure in figures.items():
         if figure["median"] is None:
             assert figure["reason"], name
@@ -76,9 +76,10 @@ def test_a_ratio_is_that_of_its_parts(document):
 
 
 def test_the_property_loop_does_as_much_as_the_bridge(document):
-    # attitude, rates, airspeed, altitude, alpha, beta, throttle, ground; three surfaces, three moments, one throttle
+    # attitude, rates, airspeed, altitude, alpha, beta, throttle, ground; position, load factors, dynamic pressure, thrust;
+    # three surfaces, three moments, one throttle
     peer = document["peers"]["jsbsim_property_loop"]
-    assert (peer["reads_a_frame"], peer["writes_a_frame"]) == (12, 7)
+    assert (peer["reads_a_frame"], peer["writes_a_frame"]) == (19, 7)
 
 
 @pytest.mark.parametrize(
