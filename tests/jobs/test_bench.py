@@ -76,7 +76,7 @@ def test_a_ratio_is_that_of_its_parts(document):
 
 
 def test_the_property_loop_does_as_much_as_the_bridge(document):
-    # attitude, rates, airspeed, altitude, alpha, beta, throttle, ground; position, load factors, dynamic pressure, thrust;
+    # attitude, rates, airspeed, altitude, alpha, beta, throttle, ground; place, forces, dynamic pressure, thrust;
     # three surfaces, three moments, one throttle
     peer = document["peers"]["jsbsim_property_loop"]
     assert (peer["reads_a_frame"], peer["writes_a_frame"]) == (19, 7)
