@@ -136,22 +136,24 @@ def asked(scenario: Scenario, layout: Layout, known: Mapping[str, Known]) -> tup
     return tuple(found)
 
 
-def left_out(scenario: Scenario, layout: Layout, known: Mapping[str, Known]) -> dict[int, list[str]]:
-    """Return the requirements that this plant knows too little for, by their place, with the signals that it lacks."""
+def left_out(scenario: Scenario, layout: Layout, known: Mapping[str, Known]) -> dict[int, str]:
+    """Return the requirements that cannot be judged in this flight, by their place, with the reason."""
     found = {}
     for i, one in enumerate(scenario.requirements or ()):
         missing = [name for name in one.formula.names if name not in known]
         if missing and set(missing) <= known_signals(layout.columns, {}).keys():
-            found[i] = missing
+            found[i] = f"plant: {scenario.plant} does not know {missing[0]}"
+        elif not missing and written.too_late(scenario, one):
+            found[i] = f"the flight ends at {scenario.duration_s:g} s, before it can be"
     return found
 
 
 def remarks(scenario: Scenario, layout: Layout, known: Mapping[str, Known]) -> list[str]:
-    """Return a line for each requirement that is not judged on this plant."""
+    """Return a line for each requirement that is not judged in this flight."""
     asked_of = scenario.requirements or ()
     return [
-        f"requirements[{i}]: {asked_of[i].name} is not judged, as plant: {scenario.plant} does not know {missing[0]}"
-        for i, missing in left_out(scenario, layout, known).items()
+        f"requirements[{i}]: {asked_of[i].name} is not judged, as {why}"
+        for i, why in left_out(scenario, layout, known).items()
     ]
 
 

@@ -95,12 +95,6 @@ def problems(scenario: Scenario) -> list[Problem]:
         seen.setdefault(one.name, i)
         if (wrong := _reference(scenario, one)) is not None:
             found.append(Problem((*key, "after"), *wrong))
-        elif (first := steps(scenario, one)[0] + hold(scenario, one)) > scenario.steps:
-            at = f"judged from {first / scenario.controller.rate_hz:g} s on"
-            expected = f"a moment within the flight of {scenario.duration_s:g} s"
-            if one.hold_s:
-                at = f"judged at {first / scenario.controller.rate_hz:g} s first, with hold_s"
-            found.append(Problem((*key, "from_s"), at, expected, "lower from_s or hold_s, or lengthen duration_s"))
         elif (span := steps(scenario, one))[1] is not None and span[1] < span[0]:
             expected = "at least one sample of the flight between them"
             found.append(Problem((*key, "to_s"), "no sample from from_s to to_s", expected, "move one of them"))
@@ -115,6 +109,11 @@ def steps(scenario: Scenario, one: Requirement) -> tuple[int, int | None]:
         since = entry.start_s if edge == "start" else entry.end_s
     first = math.ceil((since + one.from_s) * rate - 1e-6)
     return first, None if one.to_s is None else math.floor((since + one.to_s) * rate + 1e-6)
+
+
+def too_late(scenario: Scenario, one: Requirement) -> bool:
+    """Return whether the flight ends before it can be judged."""
+    return steps(scenario, one)[0] + hold(scenario, one) > int(scenario.steps)
 
 
 def hold(scenario: Scenario, one: Requirement) -> int:
