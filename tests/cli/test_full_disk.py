@@ -53,7 +53,7 @@ def test_no_room_for_the_history_is_one_line_and_nothing_is_left(small: Path) ->
     assert os.listdir(small) == []
 
 
-@pytest.mark.parametrize("small", ["size=800k", "size=900k", "size=1000k"], indirect=True)
+@pytest.mark.parametrize("small", ["size=1000k", "size=1100k", "size=1200k"], indirect=True)
 def test_room_for_the_history_alone_keeps_the_flight_without_its_figures(small: Path) -> None:
     done = fly(small)
     assert (done.returncode, len(done.stderr.splitlines())) == (1, 1), done.stderr
