@@ -96,7 +96,9 @@ def test_what_happened_is_listed_and_numbered_in_the_panels_that_it_concerns():
 
 def test_how_it_ended_is_at_the_top():
     lost = result_of("beyond/fault-hardover-stop")
-    assert any(entry.get_text().startswith("lost at 8.7 s, margin ") for entry in drawn(lost).texts)
+    texts = [entry.get_text() for entry in drawn(lost).texts]
+    assert "lost at 8.7 s, margin \N{MINUS SIGN}1.56" in texts  # -1 - (20 - 8.7)/20
+    assert any(text.startswith("departed in yaw from ") for text in texts)
     nobody = FigureContext("a flight")
     with panels.style(STYLE):
         assert [entry.get_text() for entry in overview(lost.history, nobody).texts] == ["a flight"]

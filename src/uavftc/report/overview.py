@@ -88,17 +88,14 @@ def _head(fig: Figure, context: FigureContext, end: float) -> int:
     """Write the title, how the flight ended, and what happened in it; return the lines that this took."""
     title = context.title.partition("\n")[0]
     fig.text(0.012, 0.985, title, fontsize=10, fontweight="bold", va="top", parse_math=False)
+    because = ""
     if context.ending is not None:
         outcome, text = context.ending
-        box: Any = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": _COLOURS.get(outcome, DARK)}
-        room = 640 - width_of(title, 11)  # bold is wider
-        size = 9.5 if width_of(text, 10.5) < room else 7.5
-        if width_of(text, 8.3) > room:
-            text = text.rpartition(":")[0] or text
-        fig.text(
-            0.988, 0.983, text, fontsize=size, fontweight="bold", va="top", ha="right", parse_math=False, bbox=box,
-            color=_COLOURS.get(outcome, DARK),
-        )  # fmt: skip
+        text, _, because = text.partition(": ")
+        colour = _COLOURS.get(outcome, DARK)
+        box: Any = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": colour}
+        place: Any = {"va": "top", "ha": "right", "color": colour, "parse_math": False, "bbox": box}
+        fig.text(0.988, 0.983, text, fontsize=9.5, fontweight="bold", **place)
     shown = [(i, w) for i, w in enumerate(context.windows, 1) if w.start_s < end or end == 0.0]
     rest, shown = len(shown) - _LISTED, shown[:_LISTED]
     columns = 1 if len(shown) == 1 else 2
@@ -110,7 +107,12 @@ def _head(fig: Figure, context: FigureContext, end: float) -> int:
         fig.text(x, y, f"{number}", ha="right", bbox=sign, **look)
         text = _short(named(window, end), 600 / columns - width_of(more, _LIST))
         fig.text(x + 0.009, y, text + more, ha="left", **look)
-    return -(-len(shown) // columns)
+    lines = -(-len(shown) // columns)
+    if because:
+        text = _short(because, 630)
+        fig.text(0.013, 0.940 - 0.033 * lines, text, fontsize=_LIST, va="top", color=_COLOURS["lost"], parse_math=False)
+        lines += 1
+    return lines
 
 
 def _short(text: str, room: float) -> str:
@@ -275,7 +277,7 @@ def _legend_in(ax: Axes) -> None:
     if ax.get_title(loc="right"):
         ax.legend(loc="lower right", ncols=3, frameon=True, framealpha=0.75, edgecolor="none", **look)
     else:
-        ax.legend(loc="lower right", bbox_to_anchor=(1.01, 0.99), borderaxespad=0.0, ncols=3, **look)
+        ax.legend(loc="lower right", bbox_to_anchor=(0.985, 0.99), borderaxespad=0.0, ncols=3, **look)
 
 
 def _legend(fig: Figure, axes: np.ndarray) -> None:
