@@ -54,7 +54,9 @@ def test_activity_grows_with_the_airspeed():
 
 def test_it_is_said_wherever_L1_is_called_calm():
     for page in ("README.md", "docs/reproduction.md"):
-        calm = [line for line in (ROOT / page).read_text(encoding="utf-8").splitlines() if "calm" in line and "L1" in line]
+        calm = [
+            line for line in (ROOT / page).read_text(encoding="utf-8").splitlines() if "calm" in line and "L1" in line
+        ]
         assert calm
         assert all("tools/noise_activity.py" in line for line in calm)
     assert "tools/noise_activity.py" in NOISY
