@@ -45,8 +45,8 @@ def cell(name: str, controller: str) -> str:
     margin = f"{verdict.margin:.2f}".replace("-", "\N{MINUS SIGN}")
     if not outcome.completed:
         cause, _, end = (outcome.ended_because or "").rpartition("ended by ")
-        end = "numerical" if outcome.numerical else end.split(":")[0].split(" outside")[0]
-        why = "; ended by ".join(part for part in (cause.split(",")[0].strip("; "), end) if part)
+        parts = [cause.split(",")[0].strip("; "), end.split(":")[0].split(" outside")[0]]
+        why = "numerical" if outcome.numerical else "; ended by ".join(part for part in parts if part)
         return f"**{margin}** lost at {outcome.ended_at_s:.1f} s, {why}"
     begins = min(fault.start_s for fault in result.scenario.faults)
     errors = np.array([history[f"{angle}_ref_rad"] - history[f"{angle}_rad"] for angle in ("phi", "theta", "psi")])
