@@ -28,6 +28,11 @@ class Config(Model):
     """angular acceleration about the body x axis in its first half"""
 
     @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return f"doublet, {self.peak_degps2:g} deg/s^2"
+
+    @property
     def end_s(self) -> float:
         """The time at which it is over, s."""
         return self.start_s + self.length_s

@@ -24,6 +24,11 @@ class Config(SurfaceFault):
 
     kind: Literal["jam"] = "jam"
 
+    @property
+    def label(self) -> str:
+        """What a figure writes into its window."""
+        return "jammed"
+
 
 @law
 def step(p, s, e, row):

@@ -30,6 +30,7 @@ _PANEL = 0.68  # share of the height of a row of panels that its axes have
 _SECOND = 0.5  # where the second column of the list begins, of its width
 _LISTED, _LANES = 16, 8  # windows listed, and lanes of the strip, at most
 _ALPHA = (0.15, 0.30)  # of a panel's windows by turns, so that consecutive ones are told apart
+_WHOLE = 0.09  # of one that lasts from end to end
 _LINES = 3  # of a label in a panel
 _PLAIN = {
     "fault": "fault on a surface", "engine": "fault of an engine", "damage": "damage", "air": "moving air",
@@ -124,6 +125,8 @@ def mark(ax: Axes, context: FigureContext, *names: str, written: bool = False, p
     for k, bar in enumerate(bars):
         colour, dark = KINDS[bar.window.kind]
         alpha = _ALPHA[k % 2] * (0.6 if bar.window.kind == "disturbance" else 1.0)
+        if bar.start <= t0 and bar.end >= t1:
+            alpha = _WHOLE
         name = _PLAIN[bar.window.kind] if plain else None
         ax.axvspan(bar.start, bar.end, color=colour, alpha=alpha, linewidth=0, zorder=0, label=name)
         for edge in (bar.start, bar.end):
