@@ -46,3 +46,27 @@ def test_what_should_be_a_text_says_how_it_becomes_one(value, remedy):
     with pytest.raises(InputError) as told:
         load_scenario("scenario1", overrides=[f"faults=[{{surface: {value}, kind: stuck}}]"])
     assert f"remedy:   {remedy}" in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("controller.delay_s=20", "controller.delay_s: no shorter than the flight, so no command reaches a surface"),
+        ("actuators.delay_s=1e9", "actuators.delay_s: no shorter than the flight, so no command reaches its surface"),
+        (
+            "actuators={rudder: {delay_s: 30}}",
+            "actuators.rudder.delay_s: no shorter than the flight, so no command reaches its surface",
+        ),
+        (
+            "faults=[{kind: delay, surface: rudder, delay_s: 1e308, end_s: 3}]",
+            "faults[0].delay_s: no shorter than the flight, so no command reaches the surface in its window",
+        ),
+    ],
+)
+def test_a_delay_that_no_command_outlasts_is_worth_a_warning(override, said):
+    assert warnings(load_scenario("scenario2", overrides=["disturbances=[]", override])) == [said]
+
+
+def test_a_delay_that_a_named_servo_has_in_common_with_all_is_said_once():
+    scenario = load_scenario("scenario2", overrides=["actuators={delay_s: 30, rudder: {backlash_deg: 1}}"])
+    assert len(warnings(scenario)) == 1

@@ -23,6 +23,7 @@ MAX_PLANT_STEPS = 200_000_000  # of a flight: JSBSim takes about an hour for the
 MAX_DELAY_STEPS = 10_000_000  # plant steps that a command waits, 8 bytes each for every effector
 MIN_JSBSIM_STEP_S = 5e-6  # s; JSBSim settles for 5 s before a flight, a million steps: some 5 s of waiting
 WHOLE = 1e-9  # relative; how near duration_s * rate_hz must be to a whole number
+_WHOM = {"controller": "a surface", "actuators": "its surface", "faults": "the surface in its window"}
 _CHUNK = 1_000_000  # samples checked at once, to bound the memory
 
 
@@ -56,9 +57,17 @@ def warnings(scenario: Scenario) -> list[str]:
         config = getattr(controller, loop)
         found = config.warnings(controller.rate_hz) if hasattr(config, "warnings") else []
         lines += [f"controller.{loop}.{field}: {line}" for field, line in found]
-    if controller.delay_s >= scenario.duration_s:
-        lines.append("controller.delay_s: no shorter than the flight, so no command reaches a surface")
-    return lines
+    return lines + _never_arrive(scenario)
+
+
+def _never_arrive(scenario: Scenario) -> list[str]:
+    """Return a line for each delay that no command outlasts; what a named servo has in common with all is said once."""
+    common = scenario.actuators.delay_s
+    return [
+        f"{key_text(key)}: no shorter than the flight, so no command reaches {_WHOM[str(key[0])]}"
+        for key, delay_s in delays(scenario)
+        if delay_s >= scenario.duration_s and not (key[0] == "actuators" and len(key) == 3 and delay_s == common)
+    ]
 
 
 def _told_nothing(scenario: Scenario) -> list[str]:
