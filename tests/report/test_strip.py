@@ -13,6 +13,7 @@ from uavftc.core.layout import OwnSignal
 from uavftc.report import figures, palette, panels
 from uavftc.report.air_figure import air
 from uavftc.report.overlays import commands, looks, tracking, write_overlays
+from uavftc.report.overview import overview
 from uavftc.report.signals_figure import custom
 from uavftc.report.strip import TOLD, mark, new_figure
 from uavftc.results.context import FigureContext
@@ -155,6 +156,17 @@ def test_the_limiting_moment_is_named_and_marked_in_every_panel_of_every_figure(
         for ax in figure.axes:
             if ax is not named[0] and ax.get_visible():
                 assert [12.4, 12.4] in [list(line.get_xdata()) for line in ax.lines], name
+
+
+def test_the_twin_is_not_named_in_the_legend_of_one_panel(make_history):
+    twin = make_history(4001)
+    with panels.style():
+        found = [air(twin, FigureContext("x", twin=twin)), overview(twin, FigureContext("x", twin=twin))]
+    for figure in found:
+        named = [t.get_text() for ax in figure.axes if ax.get_legend() for t in ax.get_legend().get_texts()]
+        assert panels.WITHOUT not in named
+        beneath = [t.get_text() for legend in figure.legends for t in legend.get_texts()]
+        assert beneath.count(panels.WITHOUT) == 1
 
 
 def test_the_twin_lies_beneath_every_signal_and_may_be_longer(make_history, tmp_path: Path):

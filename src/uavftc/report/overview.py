@@ -274,10 +274,11 @@ def _limiting(ax: Axes, at: float) -> None:
 def _legend_in(ax: Axes) -> None:
     """Put a small legend above a panel, on the right, or inside where something else stands there."""
     look: Any = {"borderpad": 0.1, "handlelength": 1.3, "handletextpad": 0.4, "columnspacing": 0.8, "fontsize": 7}
+    own = [one for one in ax.get_legend_handles_labels()[0] if one.get_label() != panels.WITHOUT]  # that is beneath all
     if ax.get_title(loc="right"):
-        ax.legend(loc="lower right", ncols=3, frameon=True, framealpha=0.75, edgecolor="none", **look)
+        ax.legend(handles=own, loc="lower right", ncols=3, frameon=True, framealpha=0.75, edgecolor="none", **look)
     else:
-        ax.legend(loc="lower right", bbox_to_anchor=(0.985, 0.99), borderaxespad=0.0, ncols=3, **look)
+        ax.legend(handles=own, loc="lower right", bbox_to_anchor=(0.985, 0.99), borderaxespad=0.0, ncols=3, **look)
 
 
 def _legend(fig: Figure, axes: np.ndarray) -> None:
