@@ -10,21 +10,14 @@ from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli.options import AircraftName, Controllers, NoPlots, Overrides, Quiet, ScenarioName, default_folder
 from uavftc.cli.outcome import LOST, UNEXPECTED
 
 
 def compare(
-    scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3)."),
-    ],
+    scenario: ScenarioName,
     plants: Annotated[str, typer.Option(metavar="LIST", help="Plants, separated by commas.")] = "jsbsim,analytic",
-    controllers: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(
-            metavar="LIST", help="Controllers, separated by commas (nndondi-l1,pid,./my.py); default: the scenario's."
-        ),
-    ] = None,
+    controllers: Controllers = None,
     variants: Annotated[
         Optional[list[str]],  # noqa: UP045
         typer.Option(
@@ -34,20 +27,14 @@ def compare(
             " or k6:controller.options.k=6; several of one name are one variant.",
         ),
     ] = None,
-    aircraft: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(help="Name of a shipped aircraft, or the folder of one."),
-    ] = None,
-    overrides: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
-    ] = None,
+    aircraft: AircraftName = None,
+    overrides: Overrides = None,
     out: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="DIR", help="Result folder; default results/compare-<scenario>."),
     ] = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    no_plots: NoPlots = False,
+    quiet: Quiet = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json, and nothing else, on stdout.")] = False,
 ) -> None:
     """Fly SCENARIO by every combination of plant and controller, and write tables, histories and figures.
@@ -70,7 +57,7 @@ def compare(
         variants=variants or (),
     )
     first = next(iter(loaded.values()))
-    folder = out if out is not None else default_folder(first.name, aircraft)
+    folder = out if out is not None else default_folder(f"compare-{first.name}", aircraft)
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     document = fly_and_compare(
@@ -93,11 +80,3 @@ def compare(
         raise typer.Exit(LOST)
     if "figures_missing" in document:
         raise typer.Exit(UNEXPECTED)
-
-
-def default_folder(scenario: str, aircraft: str | None) -> Path:
-    """Return results/compare-<scenario>, with the aircraft's name after it when it was an option."""
-    name = f"compare-{scenario}"
-    if aircraft is not None:
-        name += f"-{Path(aircraft).name}".replace(":", "-")
-    return Path("results") / name

@@ -5,42 +5,31 @@ from __future__ import annotations
 import functools
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli.options import AircraftName, NoPlots, Overrides, PlantName, Quiet, ScenarioName, default_folder
 from uavftc.cli.outcome import BROKEN, INTERRUPTED, LOST, UNEXPECTED
-
-if TYPE_CHECKING:
-    from uavftc.scenario.schema import Scenario
 
 
 def fly(
-    scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3)."),
-    ],
-    plant: Annotated[Optional[str], typer.Option(help="jsbsim or analytic.")] = None,  # noqa: UP045
-    aircraft: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(help="Name of a shipped aircraft, a folder, or jsbsim:NAME."),
-    ] = None,
+    scenario: ScenarioName,
+    plant: PlantName = None,
+    aircraft: AircraftName = None,
     controller: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(
             help="nndondi-l1, ndi-l1, nndondi-mrac, ndi-mrac; pid, lqi; or a custom one: ./file.py, pkg.module."
         ),
     ] = None,
-    overrides: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
-    ] = None,
+    overrides: Overrides = None,
     out: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="DIR", help="Result folder; default results/<scenario>-<controller>-<plant>."),
     ] = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    no_plots: NoPlots = False,
+    quiet: Quiet = False,
     twin: Annotated[
         bool, typer.Option("--twin", help="Fly the same without faults, too, and show what the faults did.")
     ] = False,
@@ -53,10 +42,11 @@ def fly(
     end with a requirement broken. 130: Ctrl-C, the flight up to there is written. 1: anything else, as a full disk, in
     one line; where there is room for the flight without its figures it is kept.
     """
-    from uavftc.scenario.load import find_scenario, load_scenario  # noqa: PLC0415 - not needed for a bad option
+    from uavftc.scenario.load import controller_name, find_scenario, load_scenario  # noqa: PLC0415 - not needed for a bad option
 
     loaded = load_scenario(scenario, overrides=overrides or (), plant=plant, aircraft=aircraft, controller=controller)
-    folder = out if out is not None else default_folder(loaded, named_aircraft=aircraft is not None)
+    name = f"{loaded.name}-{controller_name(loaded)}-{loaded.plant}"
+    folder = out if out is not None else default_folder(name, None if aircraft is None else loaded.aircraft)
 
     from uavftc.core.stage import is_compiled  # noqa: PLC0415
     from uavftc.jobs.fly import fly_mission  # noqa: PLC0415
@@ -87,13 +77,3 @@ def fly(
         raise typer.Exit(UNEXPECTED)
     if strict and document["verdict"]["outcome"] != "survived":
         raise typer.Exit(BROKEN)
-
-
-def default_folder(scenario: Scenario, *, named_aircraft: bool) -> Path:
-    """Return results/<scenario>-<controller>-<plant>, with the aircraft's name after it when it was an option."""
-    from uavftc.scenario.load import controller_name  # noqa: PLC0415
-
-    name = f"{scenario.name}-{controller_name(scenario)}-{scenario.plant}"
-    if named_aircraft:
-        name += f"-{Path(scenario.aircraft).name}".replace(":", "-")
-    return Path("results") / name

@@ -9,18 +9,22 @@ from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli.options import (
+    AircraftName,
+    Controllers,
+    NoPlots,
+    Overrides,
+    PlantName,
+    Quiet,
+    ScenarioName,
+    default_folder,
+)
 from uavftc.cli.outcome import UNEXPECTED
 
 
 def margin(
-    scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3)."),
-    ],
-    controllers: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(metavar="LIST", help="Controllers, separated by commas; default: the scenario's."),
-    ] = None,
+    scenario: ScenarioName,
+    controllers: Controllers = None,
     quantity: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(
@@ -33,21 +37,15 @@ def margin(
         Optional[list[str]],  # noqa: UP045
         typer.Option("--over", metavar="KEY=LOW..HIGH", help="Any number of the scenario, first where it survives."),
     ] = None,
-    plant: Annotated[Optional[str], typer.Option(help="jsbsim or analytic.")] = None,  # noqa: UP045
-    aircraft: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(help="Name of a shipped aircraft, a folder, or jsbsim:NAME."),
-    ] = None,
-    overrides: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
-    ] = None,
+    plant: PlantName = None,
+    aircraft: AircraftName = None,
+    overrides: Overrides = None,
     out: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="DIR", help="Result folder; default results/margin-<scenario>-<plant>."),
     ] = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figure.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    no_plots: NoPlots = False,
+    quiet: Quiet = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the limits as JSON on standard output.")] = False,
 ) -> None:
     """Find the delay, gain, bandwidth, effectiveness, bias and noise at which the verdict on SCENARIO changes.
@@ -64,7 +62,7 @@ def margin(
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     first = next(iter(loaded.values()))
-    folder = out if out is not None else default_folder(first.name, first.plant, aircraft)
+    folder = out if out is not None else default_folder(f"margin-{first.name}-{first.plant}", aircraft)
     names = None if quantity is None else [name.strip() for name in quantity.split(",")]
     with stages(quiet=quiet) as advance:
         document = find_and_write(
@@ -81,7 +79,7 @@ def margin(
         print(json.dumps(shown, indent=2, allow_nan=False))
     if not quiet:
         from uavftc.report.console import Terminal  # noqa: PLC0415
-        from uavftc.report.margin_report import print_limits  # noqa: PLC0415
+        from uavftc.report.margin_text import print_limits  # noqa: PLC0415
 
         console = Terminal(stderr=as_json)
         print_limits(console, document["title"], document["limits"])
@@ -89,11 +87,3 @@ def margin(
     if "figures_missing" in document:
         print(f"error: {folder} has no figure: {document['figures_missing']}", file=sys.stderr)
         raise typer.Exit(UNEXPECTED)
-
-
-def default_folder(scenario: str, plant: str, aircraft: str | None) -> Path:
-    """Return results/margin-<scenario>-<plant>, with the aircraft's name after it when it was an option."""
-    name = f"margin-{scenario}-{plant}"
-    if aircraft is not None:
-        name += f"-{Path(aircraft).name}".replace(":", "-")
-    return Path("results") / name

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uavftc.cli.options import NoPlots, Quiet
 from uavftc.cli.outcome import UNEXPECTED
 from uavftc.errors import InputError
 
@@ -20,8 +21,8 @@ _PLANTS = {"analytic": ("analytic",), "jsbsim": ("jsbsim",), "both": ("analytic"
 def reproduce(
     plant: Annotated[str, typer.Option(help="analytic, jsbsim or both.")] = "both",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Result folder.")] = Path("results/reproduce"),
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    no_plots: NoPlots = False,
+    quiet: Quiet = False,
 ) -> None:
     """Fly the paper's scenarios with all its controllers and write Tables 2 to 6 and Figures 2 to 11 next to the print.
 

@@ -10,24 +10,16 @@ from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli.options import AircraftName, NoPlots, Overrides, PlantName, Quiet, ScenarioName, default_folder
 from uavftc.cli.outcome import UNEXPECTED
 from uavftc.errors import InputError
 
 
 def survivable(
-    scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3)."),
-    ],
-    plant: Annotated[Optional[str], typer.Option(help="jsbsim or analytic.")] = None,  # noqa: UP045
-    aircraft: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(help="Name of a shipped aircraft, a folder, or jsbsim:NAME."),
-    ] = None,
-    overrides: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
-    ] = None,
+    scenario: ScenarioName,
+    plant: PlantName = None,
+    aircraft: AircraftName = None,
+    overrides: Overrides = None,
     within_deg: Annotated[float, typer.Option(help="How near to the reference a steady state must be, deg.")] = 1.0,
     sweep: Annotated[
         bool,
@@ -39,8 +31,8 @@ def survivable(
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="DIR", help="Result folder; default results/survivable-<scenario>."),
     ] = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no figure.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    no_plots: NoPlots = False,
+    quiet: Quiet = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json, and nothing else, on stdout.")] = False,
 ) -> None:
     """Say whether any controller could hold SCENARIO's reference: a steady state with what faults and limits leave.
@@ -61,7 +53,7 @@ def survivable(
     from uavftc.scenario.load import find_scenario, load_scenario  # noqa: PLC0415
 
     loaded = load_scenario(scenario, overrides=overrides or (), plant=plant, aircraft=aircraft)
-    folder = out if out is not None else default_folder(loaded.name, aircraft)
+    folder = out if out is not None else default_folder(f"survivable-{loaded.name}", aircraft)
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     with stages(quiet=quiet) as advance:
@@ -84,11 +76,3 @@ def survivable(
     if "figures_missing" in document:
         print(f"error: {folder} has no figure: {document['figures_missing']}", file=sys.stderr)
         raise typer.Exit(UNEXPECTED)
-
-
-def default_folder(scenario: str, aircraft: str | None) -> Path:
-    """Return results/survivable-<scenario>, with the aircraft's name after it when it was an option."""
-    name = f"survivable-{scenario}"
-    if aircraft is not None:
-        name += f"-{Path(aircraft).name}".replace(":", "-")
-    return Path("results") / name

@@ -8,6 +8,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli.options import Quiet
 from uavftc.cli.outcome import UNEXPECTED
 
 
@@ -31,7 +32,7 @@ def sweep(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Show the first cases, the count and an estimate; write nothing.")
     ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Fly every case of CAMPAIGN by every controller, and write flights.parquet: a row a flight.
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from pydantic import ValidationError
-
-from uavftc.config.document import Document, Origin
-from uavftc.config.explain import explain
-from uavftc.errors import join
+from uavftc.config.document import Document
+from uavftc.scenario.load import scenario_of
 from uavftc.scenario.overrides import put
 from uavftc.scenario.schema import Scenario
 
@@ -50,7 +47,7 @@ class Changing:
         document = Document(_lists(self._data), next(iter(places.values()), "") or "a change of the scenario")
         for key, value in values.items():
             put(document, key, value, places[key] or f"{key} = {value}"[:200])
-        return _made(document)
+        return scenario_of(document)
 
 
 def remade(scenario: Scenario, edit: Callable[[Document], None], where: str) -> Scenario:
@@ -63,16 +60,7 @@ def remade(scenario: Scenario, edit: Callable[[Document], None], where: str) -> 
     """
     document = Document(_lists(scenario.model_dump()), where)
     edit(document)
-    return _made(document)
-
-
-def _made(document: Document) -> Scenario:
-    try:
-        made = Scenario.model_validate(document.data)
-    except ValidationError as error:
-        raise join(explain(error, document, Scenario)) from None
-    made._origin = Origin(document)
-    return made
+    return scenario_of(document)
 
 
 def _lists(value: Any) -> Any:

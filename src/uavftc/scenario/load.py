@@ -19,7 +19,7 @@ from uavftc.scenario.overrides import apply, custom_name, resolve_controller, se
 from uavftc.scenario.schema import Scenario
 from uavftc.scenario.text import scenario_text
 
-__all__ = ["MAX_BYTES", "controller_name", "find_scenario", "load_scenario", "scenario_text", "warnings"]
+__all__ = ["MAX_BYTES", "controller_name", "find_scenario", "load_scenario", "scenario_of", "scenario_text", "warnings"]
 
 MAX_BYTES = 1_000_000
 
@@ -70,6 +70,17 @@ def load_scenario(
         apply(document, override, option)
     _resolve_aircraft(document, path.parent)
     resolve_controller(document, path.parent)
+    return scenario_of(document)
+
+
+def scenario_of(document: Document) -> Scenario:
+    """Return the scenario that a document describes, checked.
+
+    Raises
+    ------
+    InputError
+        All that is wrong with it, each with its place.
+    """
     try:
         scenario = Scenario.model_validate(document.data)
     except ValidationError as error:

@@ -200,7 +200,7 @@ def _draw(folder: Path, document: Mapping[str, Any]) -> None:
     from uavftc.report.backend import load_matplotlib  # noqa: PLC0415
 
     load_matplotlib()
-    from uavftc.report.margin_report import draw_limits  # noqa: PLC0415
+    from uavftc.report.margin_figure import write_limits_figure  # noqa: PLC0415
 
     folder.mkdir(exist_ok=True)
-    draw_limits(folder / "margin.png", document["title"], document["limits"])
+    write_limits_figure(folder / "margin.png", document["title"], document["limits"])

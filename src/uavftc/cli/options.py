@@ -1,0 +1,36 @@
+"""Arguments and options that several commands share: one spelling and one help text each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+ScenarioName = Annotated[
+    str, typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3).")
+]
+PlantName = Annotated[Optional[str], typer.Option("--plant", help="jsbsim or analytic.")]  # noqa: UP045
+AircraftName = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--aircraft", help="Name of a shipped aircraft, a folder, or jsbsim:NAME."),
+]
+Controllers = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--controllers",
+        metavar="LIST",
+        help="Controllers, separated by commas (nndondi-l1,pid,./my.py); default: the scenario's.",
+    ),
+]
+Overrides = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
+]
+NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+
+
+def default_folder(name: str, aircraft: str | None) -> Path:
+    """Return results/<name>, with the aircraft's name after it where it was an option."""
+    return Path("results") / (name if aircraft is None else f"{name}-{Path(aircraft).name}".replace(":", "-"))
