@@ -105,7 +105,7 @@ def _head(fig: Figure, context: FigureContext, end: float) -> int:
         look: Any = {"fontsize": _LIST, "va": "top", "parse_math": False}
         more = f"  (and {rest} more)" if k == _LISTED - 1 and rest > 0 else ""
         fig.text(x, y, f"{number}", ha="right", bbox=sign, **look)
-        text = _short(named(window, end), 600 / columns - width_of(more, _LIST))
+        text = _short(named(window, end), 570 / columns - width_of(more, _LIST))
         fig.text(x + 0.009, y, text + more, ha="left", **look)
     lines = -(-len(shown) // columns)
     if because:
