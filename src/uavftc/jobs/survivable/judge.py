@@ -143,11 +143,13 @@ def _attitude(question: Question, system: System, starts: Sequence[np.ndarray]) 
     if exact.met:
         if not question.vehicle.powered:
             return "attitude", exact
-        steady = solve(system, [exact.x], free, EVERY)
+        steady = solve(system, [exact.x, question.start()], free, EVERY)
         return ("steady", steady) if steady.met else ("attitude", _nearest_thrust(system, exact, free))
     closest = nearest(loose, found.x, [*free, *goals], ATTITUDE, goals, wanted)
     closest = closest if closest.met else found
-    steady = solve(loose, [closest.x], [*free, *goals], EVERY)
+    throttled = closest.x.copy()
+    throttled[State.THROTTLE] = question.vehicle.trim[State.THROTTLE]
+    steady = solve(loose, [throttled, closest.x], [*free, *goals], EVERY)
     return ("steady", steady) if steady.met else ("attitude", closest)
 
 
@@ -185,6 +187,8 @@ class Spare(NamedTuple):
     """>= 0."""
     kept: list[int]
     """Axes that they can still move apart from each other."""
+    size: np.ndarray
+    """What all surfaces together, with their stops alone, could do about each axis, shape (3,), rad/s^2."""
 
     def authority(self) -> np.ndarray:
         """Return the angular acceleration left about each axis to either side, shape (3, 2), rad/s^2.
@@ -206,10 +210,9 @@ def spare_of(question: Question, system: System, at: Found) -> Spare:
     ways = np.minimum(np.ptp(vehicle.stops, axis=1), WAY_RAD)
     own = np.minimum(system.high[places] - system.low[places], WAY_RAD)
     size = np.abs(every) @ ways
-    rows = kept(B * own, size)
-    return Spare(
-        B, np.minimum(system.low[places] - at.x[places], 0.0), np.maximum(system.high[places] - at.x[places], 0.0), rows
-    )
+    low = np.minimum(system.low[places] - at.x[places], 0.0)
+    high = np.maximum(system.high[places] - at.x[places], 0.0)
+    return Spare(B, low, high, kept(B * own, size), size)
 
 
 class Unmet(NamedTuple):
