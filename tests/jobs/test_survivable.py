@@ -13,6 +13,7 @@ from PIL import Image
 from rich.console import Console
 
 from flying import flown
+from uavftc.actuators.at_rest import Reach
 from uavftc.core.signals import attitude_error
 from uavftc.jobs.survivable.document import STATE
 from uavftc.jobs.survivable.job import draw, survivable
@@ -140,8 +141,6 @@ def test_a_surface_stuck_where_it_is_stays_where_the_phase_before_had_it():
 
 
 def test_shares_of_a_reach_are_between_none_of_the_fault_and_all():
-    from uavftc.actuators.at_rest import Reach
-
     no, yes = np.zeros(3, dtype=bool), np.array([True, False, False])
     free = Reach(np.full(3, -0.4), np.full(3, 0.4), np.zeros(3), np.zeros(3), no)
     whole = Reach(np.array([0.2, -0.1, 0.0]), np.array([0.2, 0.3, 0.0]), np.array([0.5, 0, 0]), np.zeros(3), yes)
@@ -150,8 +149,8 @@ def test_shares_of_a_reach_are_between_none_of_the_fault_and_all():
     np.testing.assert_allclose(half.high, [0.1, 0.35, 0.2])
     np.testing.assert_allclose(half.by_alpha, [0.25, 0.0, 0.0])
     for share, expected in ((0.0, free), (1.0, whole)):
-        np.testing.assert_array_equal(part_of(whole, free, share).low, expected.low)
-        np.testing.assert_array_equal(part_of(whole, free, share).high, expected.high)
+        np.testing.assert_allclose(part_of(whole, free, share).low, expected.low, rtol=0.0, atol=1e-15)
+        np.testing.assert_allclose(part_of(whole, free, share).high, expected.high, rtol=0.0, atol=1e-15)
 
 
 def error_at_the_end_of(phase: dict, name: str, controller: str) -> float:
