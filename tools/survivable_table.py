@@ -50,7 +50,11 @@ def answer(phase: dict[str, Any]) -> str:
         return f"yes; airspeed {phase['residual']['thrust and drag']:+.2g} m/s^2"
     equation = phase["unmet"][0]["equation"] if phase["unmet"] else "several"
     instead = phase["instead"]
-    near = [f"bank {math.degrees(instead['bank']['state']['bank_rad']):.2g} deg"] if instead.get("bank") else []
+    near = (
+        [f"bank {round(math.degrees(instead['bank']['state']['bank_rad']), 1) + 0.0:g} deg"]
+        if instead.get("bank")
+        else []
+    )
     near += [f"{instead['airspeed']['state']['airspeed_mps']:.3g} m/s"] if instead.get("airspeed") else []
     turn = instead.get("turn")
     near += [f"turn {math.degrees(turn['state']['turn_radps']):.2g} deg/s"] if turn else []

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from uavftc import actuators, environment, sensors
 from uavftc.actuators import stops
+from uavftc.actuators.at_rest import Rest, everywhere
 from uavftc.actuators.saturation import SurfaceLimits
 from uavftc.config.described import descriptions
 from uavftc.config.effect import config_of
@@ -426,3 +427,19 @@ def test_limits_are_given_by_name_to_each_effector() -> None:
     saturation = next(e for e in actuators.CHAIN if getattr(e, "SECTION", None) == "saturation")
     (block,) = saturation.blocks(everything_on().saturation, given())
     np.testing.assert_array_equal(block.params, records_of(saturation.PARAMS, 3, u_min=[-0.05] * 3, u_max=[0.1] * 3))
+
+
+@named(
+    [(group, effect) for group, effect in EVERY if group == "actuators" and getattr(effect, "ENTRY_OF", "") == "faults"]
+)
+def test_a_fault_of_a_surface_says_where_it_leaves_it_at_rest(group: str, effect: ModuleType) -> None:
+    # what `uavftc survivable` asks of each; an interval an effector, and another one than without the fault
+    before = everywhere(3).within(*finite_stops().stops_rad.T)
+    entries = config(group, effect, everything_on())
+    found = effect.at_rest(entries, finite_stops(), Rest(0.5, lambda _: np.zeros(3)), before)
+    for reach in found:
+        assert np.all(reach.low <= reach.high)
+        assert reach.held.dtype == bool
+    assert any(not np.array_equal(reach.low, before.low) or reach.by_beta.any() for reach in found)
+    (same,) = effect.at_rest((), finite_stops(), Rest(0.5, lambda _: np.zeros(3)), before)
+    np.testing.assert_array_equal(same.low, before.low)

@@ -20,6 +20,8 @@ import numpy as np
 STEP = 1e-4
 """Of a difference, in sizes of the unknown."""
 EVALUATIONS = 18
+NEXT = 8
+"""Evaluations from a solution to the next one."""
 STALLED = 1e-4
 """Relative change of the sum of squares below which it no longer falls towards zero."""
 ITERATIONS = 60
@@ -120,12 +122,16 @@ def differences(system: System, x: np.ndarray, places: Sequence[int]) -> np.ndar
 
 
 def solve(
-    system: System, starts: Iterable[np.ndarray], free: Sequence[int], rows: Sequence[int], *, enough: float = 0.0
+    system: System,
+    starts: Iterable[np.ndarray],
+    free: Sequence[int],
+    rows: Sequence[int],
+    *,
+    evaluations: int = EVALUATIONS,
 ) -> Found:
     """Return the first x that meets the equations `rows`, by moving the unknowns `free` from one start after another.
 
-    Where none does, the one with the least sum of squares, each equation over its scale; one below `enough` ends the
-    search too.
+    Where none does within so many evaluations, the one with the least sum of squares, each equation over its scale.
     """
     from scipy.optimize import least_squares  # noqa: PLC0415 - 0.1 s that a command without it need not pay
 
@@ -147,7 +153,7 @@ def solve(
                 xtol=1e-12,
                 ftol=STALLED,
                 gtol=1e-12,
-                max_nfev=EVALUATIONS,
+                max_nfev=evaluations,
             )
             z = result.x
         found = measured.found(z, rows)
@@ -156,8 +162,6 @@ def solve(
             return found
         if size < cost:
             best, cost = found, size
-        if cost < enough:
-            break
     assert best is not None  # there is a start
     return best
 
@@ -212,7 +216,7 @@ def reach(
     def tried(value: float) -> Found:
         moved = best.x.copy()
         moved[goal] = value
-        return solve(system, [moved], free, rows)
+        return solve(system, [moved], free, rows, evaluations=NEXT)
 
     while best.met and sign * (end - best.x[goal]) > 0.0:
         value = float(best.x[goal]) + sign * min(ahead, sign * (end - float(best.x[goal])))

@@ -11,6 +11,8 @@ An effect (of the actuators, the sensors, the air, a control law) is one module 
     FIELDS        fields of the row that an entry adds to, by `prescribe` or by its law; of a kind of disturbance
     wind_at_start wind_at_start(entry, height) -> velocity of the air that its law adds at t = 0, north-east-down, m/s,
                   shape (3,), at a height above ground, m: the flight starts in this air; optional
+    at_rest       at_rest(config, given, rest, reach) -> list of reaches: where constant commands take an
+                  effector at rest, see actuators/at_rest.py; of an effect that changes it
     change        change(entry): of a fault of an engine, in place of `blocks`; see actuators/engine.py
     REFUSED_ON    {plant: (what is expected instead, how to fix it)}; optional
     warnings      warnings(entry, t, window) -> (key, line) of what is allowed and worth knowing about it; optional

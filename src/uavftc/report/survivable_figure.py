@@ -124,10 +124,19 @@ def _shares(ax: Axes, severity: dict[str, Any]) -> None:
     """Set the axis of the severity, and shade where there is no steady state at the reference."""
     ax.set_xlabel("severity: 0 without the fault, 1 as in the scenario")
     ax.set_xlim(-0.02, 1.02)
-    if (ends := severity["ends_between"]) is not None:
-        at = ends[0]
-        ax.axvspan(at, 1.02, color=VERMILLION, alpha=0.08, linewidth=0, label=NONE, zorder=0)
-        ax.axvline(at, color=VERMILLION, linewidth=1.2)
+    points = severity["points"]
+    share = np.array([point["share"] for point in points])
+    edges = np.concatenate([share[:1], 0.5 * (share[1:] + share[:-1]), [1.02]])
+    if (ends := severity["ends_between"]) is not None:  # found more closely than by the shares tried
+        first = next(k for k, point in enumerate(points) if not point["survivable"])
+        edges[first] = ends[0]
+        ax.axvline(ends[0], color=VERMILLION, linewidth=1.2)
+    label = NONE
+    for k, point in enumerate(points):
+        if not point["survivable"]:
+            span = edges[k : k + 2]
+            ax.axvspan(*span, color=VERMILLION, alpha=0.08, linewidth=0, label=label, zorder=0)
+            label = ""
 
 
 def _moments(ax: Axes, severity: dict[str, Any]) -> None:

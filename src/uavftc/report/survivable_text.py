@@ -197,10 +197,14 @@ def _severity(document: dict[str, Any]) -> Iterator[str]:
     if severity is None:
         return
     ends = severity["ends_between"]
+    held = [point["share"] for point in severity["points"] if point["survivable"]]
     if ends is None:
         yield "a steady state exists at every share of these faults that was tried"
-    elif ends[1] <= 0.001:
-        yield "there is none at any share of these faults: it is lost as soon as they begin"
+    elif held == [0.0]:
+        yield "there is none at any share of these faults that was tried: it is lost as soon as they begin"
+    elif any(share > ends[1] for share in held):
+        shares = ", ".join(f"{100.0 * share:g}" for share in held)
+        yield f"a steady state exists at some shares of these faults only; of those tried at {shares} %"
     else:
         low, high = (100.0 * end for end in ends)
         yield f"a steady state exists up to {low:.3g} % of these faults, and at {high:.3g} % no more"

@@ -116,7 +116,7 @@ def judge(question: Question, hints: Sequence[np.ndarray] = (), *, thorough: boo
     if at.met:
         return _settled(question, system, "steady", at)
     every = question.starts(first[0]) if thorough else []
-    level, at = _attitude(question, system, [at.x, *first, *every]) if vehicle.has_flow else ("none", at)
+    level, at = _attitude(question, system, [*first, at.x, *every]) if vehicle.has_flow else ("none", at)
     if level in HELD:
         return _settled(question, system, level, at)
     if vehicle.has_flow and thorough:
@@ -143,12 +143,29 @@ def _attitude(question: Question, system: System, starts: Sequence[np.ndarray]) 
     if exact.met:
         if not question.vehicle.powered:
             return "attitude", exact
-        steady = solve(system, [exact.x], free, EVERY)
+        steady = solve(system, [_throttled(question, exact), exact.x], free, EVERY)
         return ("steady", steady) if steady.met else ("attitude", _nearest_thrust(system, exact, free))
-    closest = nearest(loose, found.x, [*free, *goals], ATTITUDE, goals, wanted)
-    closest = closest if closest.met else found
-    steady = solve(loose, [closest.x], [*free, *goals], EVERY)
-    return ("steady", steady) if steady.met else ("attitude", closest)
+    nearer = _nearest_of(loose, found, free, ATTITUDE, wanted, off)
+    steady = solve(loose, [_throttled(question, nearer), nearer.x], [*free, *goals], EVERY)
+    return ("steady", _nearest_of(loose, steady, free, EVERY, wanted, off)) if steady.met else ("attitude", nearer)
+
+
+def _nearest_of(
+    loose: System, found: Found, free: Sequence[int], rows: Sequence[int], wanted: np.ndarray, off: np.ndarray
+) -> Found:
+    """Return, of what meets the equations near `found`, the nearest to a bank, pitch and turn, counted by `off`."""
+    goals = [State.BANK, State.PITCH, State.TURN]
+    size = loose.size.copy()
+    size[goals] = off
+    best = nearest(loose._replace(size=size), found.x, [*free, *goals], rows, goals, wanted)
+    return best if best.met else found
+
+
+def _throttled(question: Question, found: Found) -> np.ndarray:
+    """Return what was found with the throttle of the trim, away from its ends."""
+    start = found.x.copy()
+    start[State.THROTTLE] = question.vehicle.trim[State.THROTTLE]
+    return start
 
 
 def _nearest_thrust(system: System, exact: Found, free: Sequence[int]) -> Found:
@@ -185,6 +202,8 @@ class Spare(NamedTuple):
     """>= 0."""
     kept: list[int]
     """Axes that they can still move apart from each other."""
+    size: np.ndarray
+    """What all surfaces together, with their stops alone, could do about each axis, shape (3,), rad/s^2."""
 
     def authority(self) -> np.ndarray:
         """Return the angular acceleration left about each axis to either side, shape (3, 2), rad/s^2.
@@ -206,10 +225,9 @@ def spare_of(question: Question, system: System, at: Found) -> Spare:
     ways = np.minimum(np.ptp(vehicle.stops, axis=1), WAY_RAD)
     own = np.minimum(system.high[places] - system.low[places], WAY_RAD)
     size = np.abs(every) @ ways
-    rows = kept(B * own, size)
-    return Spare(
-        B, np.minimum(system.low[places] - at.x[places], 0.0), np.maximum(system.high[places] - at.x[places], 0.0), rows
-    )
+    low = np.minimum(system.low[places] - at.x[places], 0.0)
+    high = np.maximum(system.high[places] - at.x[places], 0.0)
+    return Spare(B, low, high, kept(B * own, size), size)
 
 
 class Unmet(NamedTuple):
@@ -243,11 +261,15 @@ def unmet(question: Question, judged: Judged) -> list[Unmet]:
 INSTEAD = {
     "bank": (State.BANK,),
     "pitch": (State.PITCH,),
-    "attitude": (State.BANK, State.PITCH),
     "airspeed": (State.AIRSPEED,),
     "turn": (State.TURN,),
+    "attitude": (State.BANK, State.PITCH),
 }
 """What may be given up, and the unknowns that then are free."""
+
+
+NEAR = 1e-3
+"""Of the size of an unknown: how closely the nearest is found."""
 
 
 def instead(question: Question, judged: Judged) -> dict[str, tuple[str, Found] | None]:
@@ -268,13 +290,22 @@ def instead(question: Question, judged: Judged) -> dict[str, tuple[str, Found] |
         some = solve(system, starts, unknowns, ATTITUDE)
         if not some.met:
             continue
-        steady = solve(system, [some.x, starts[0]], unknowns, EVERY)
+        steady = solve(system, [_throttled(question, some), some.x, starts[0]], unknowns, EVERY)
         if judged.level == "attitude" and not steady.met:
             continue
         level, rows, some = ("steady", EVERY, steady) if steady.met else ("attitude", ATTITUDE, some)
-        best = nearest(system, some.x, unknowns, rows, goals, wanted)
-        nearer = best.met and _apart(system, best, goals, wanted) <= _apart(system, some, goals, wanted)
-        found[name] = level, best if nearer else some
+        tried = [some]
+        if len(goals) == 1:
+            size = float(system.size[goals[0]])
+            ends = {"towards": float(wanted[0]), "step": size, "accuracy": NEAR * size}
+            tried.append(reach(system, some.x, free, rows, goals[0], **ends))
+        else:
+            parts = [one for one in (found["bank"], found["pitch"]) if one is not None]
+            tried += [one for reached, one in parts if level in (reached, "attitude")]
+        best = min((one for one in tried if one.met), key=lambda one: _apart(system, one, goals, wanted))
+        tried.append(nearest(system, best.x, unknowns, rows, goals, wanted))
+        best = min((one for one in tried if one.met), key=lambda one: _apart(system, one, goals, wanted))
+        found[name] = level, best
     return found
 
 

@@ -88,7 +88,7 @@ class Study:
             if judged.at.met:
                 hints.append(judged.at.x)
             found.append((question, judged))
-        question, judged = max(found, key=lambda pair: _badness(pair[1]))
+        question, judged = max(found, key=_badness)
         self._remember(phase, found[-1][1])
         clean = self._asked_of_clean(question, seen)
         clean_judged = judge(clean, hints[-1:])
@@ -194,8 +194,16 @@ class Study:
         return question, judge(question, [hint], thorough=False)
 
 
-def _badness(judged: Judged) -> tuple[bool, int, float]:
-    return not judged.holds, LEVELS.index(judged.level), -1.0 if np.isnan(judged.disturbance) else judged.disturbance
+def _badness(pair: tuple[Question, Judged]) -> tuple[bool, int, float, float, float]:
+    """Return what makes one case worse than another: level, disturbances, how far off it is, authority left."""
+    question, judged = pair
+    disturbance = -1.0 if np.isnan(judged.disturbance) else judged.disturbance
+    off = question.start()[[State.BANK, State.PITCH, State.TURN]] - judged.at.x[[State.BANK, State.PITCH, State.TURN]]
+    left = 0.0
+    if judged.holds:
+        spare = spare_of(question, judged.system, judged.at)
+        left = float(np.min(np.abs(spare.authority()) / np.maximum(spare.size, 1e-12)[:, None]))
+    return not judged.holds, LEVELS.index(judged.level), disturbance, round(float(np.max(np.abs(off))), 6), -left
 
 
 def _level(question: Question, start: np.ndarray) -> np.ndarray:

@@ -16,9 +16,10 @@ from uavftc.actuators.at_rest import Reach
 from uavftc.actuators.engine import place_of
 from uavftc.analysis.equilibrium import System
 from uavftc.core.layout import shares
+from uavftc.flight import uncertain
 from uavftc.flight.build import Flight, rotational_model
 from uavftc.jobs.survivable.phases import Sampled, rates_of
-from uavftc.plants.analytic import struck_model
+from uavftc.plants.analytic import of_another_inertia, struck_model
 from uavftc.plants.interface import State
 from uavftc.plants.rigid_body import coefficients, gyroscopic
 
@@ -120,6 +121,7 @@ def _on_jsbsim(
     flight: Flight, damage: Sequence[Any], engines: Sequence[Any], share: float, throttles: Sequence[float]
 ) -> Vehicle:
     from uavftc.actuators import ENGINES  # noqa: PLC0415
+    from uavftc.plants.jsbsim import uncertainty  # noqa: PLC0415
     from uavftc.plants.jsbsim.balance import Held  # noqa: PLC0415 - each plant is imported only where it is asked
     from uavftc.plants.jsbsim.engine_faults import EngineChange  # noqa: PLC0415
 
@@ -134,7 +136,8 @@ def _on_jsbsim(
         gain = change.gain if change.held is None else 1.0 - share * (1.0 - change.gain)
         change = change._replace(gain=gain, held=held, stopped=change.stopped and share >= 1.0)
         changes.append(EngineChange(place, change, 0.0, None))
-    held = Held(flight.aircraft, model, damage, changes, throttles if changes else ())
+    told = uncertainty.told(flight.aircraft, flight.scenario.uncertainty, flown_of(flight).factors)
+    held = Held(flight.aircraft, model, damage, changes, throttles if changes else (), told)
     trim, limits = held.trim, flight.scenario.envelope
     bank, pitch = (min(math.radians(limit), MOST_RAD) for limit in (limits.bank_deg, limits.pitch_deg))
     powered = model.engines > 0 and trim.method != "glide" and bool(trim.throttles)
@@ -166,8 +169,14 @@ def _on_jsbsim(
     )
 
 
+def flown_of(flight: Flight) -> uncertain.Vehicle:
+    """Return the vehicle that flies, where a scenario says that it is not the nominal one."""
+    return uncertain.vehicle_of(flight.scenario, flight.aircraft, flight.model)
+
+
 def _rotational(flight: Flight, damage: Sequence[Any]) -> Vehicle:
     inertia, A_l, B_m = rotational_model(flight.aircraft, flight.model)
+    inertia, A_l, B_m = of_another_inertia(inertia, A_l, B_m, flight.scenario.uncertainty.inertia(inertia))
     now, A, B = struck_model(inertia, A_l, B_m, damage)
     c, share = coefficients(now), shares(flight.layout.mixing)
     start = np.zeros(State.COUNT + len(flight.layout.names))

@@ -22,7 +22,7 @@ from uavftc.plants.interface import State
 from uavftc.plants.jsbsim.damage import told as told_of_damage
 from uavftc.plants.jsbsim.engine_faults import EngineChange
 from uavftc.plants.jsbsim.engine_faults import told as told_of_engines
-from uavftc.plants.jsbsim.events import Schedule
+from uavftc.plants.jsbsim.events import Schedule, Told
 from uavftc.plants.jsbsim.load import inertia, initialised
 from uavftc.plants.jsbsim.model import TrimmedModel
 from uavftc.plants.jsbsim.search import BURNING, STARTED_S
@@ -54,6 +54,8 @@ class Held:
         Faults of engines that act.
     throttles
         Of each fault of an engine, where it finds the throttle, 0..1: what is stuck stays there. Left out, at trim.
+    uncertain
+        What is done to the nominal aircraft to make it the vehicle that flies.
     """
 
     def __init__(
@@ -63,9 +65,11 @@ class Held:
         damage: Sequence[object] = (),
         engines: Sequence[EngineChange] = (),
         throttles: Sequence[float] = (),
+        uncertain: Told | None = None,
     ) -> None:
         self.trim = Trim(**model.trim)
         self._made_of = aircraft, model, tuple(damage), tuple(engines), tuple(throttles)
+        self._uncertain = Told() if uncertain is None else uncertain
         self._effectors = model.effectors
         self._slack = (
             dict(zip(self.trim.properties, self.trim.backlash, strict=True)) if any(self.trim.backlash) else {}
@@ -75,7 +79,7 @@ class Held:
         self._frame_s = model.frame_s
         self.fdm = self._fresh()
         self._try_longer_frames()
-        self.turned = np.linalg.solve(inertia(self.fdm), np.array(model.inertia_kgm2))
+        self.turned = np.linalg.solve(inertia(self.fdm), self._undamaged)
         """What an angular acceleration d2, the moment of the undamaged inertia, is of this vehicle, shape (3, 3)."""
 
     def _try_longer_frames(self) -> None:
@@ -94,12 +98,16 @@ class Held:
     def _fresh(self) -> jsbsim.FGFDMExec:
         """Return the aircraft, held at the trim, with everything that acts on it."""
         aircraft, model, damage, engines, throttles = self._made_of
-        told = [told_of_damage(aircraft, [Struck(entry, 0, None) for entry in damage], np.array(model.inertia_kgm2))]
+        struck = [Struck(entry, 0, None) for entry in damage]
+        told = [told_of_damage(aircraft, struck, np.array(model.inertia_kgm2))]
         told += [told_of_engines([e._replace(start_s=0.0, end_s=None)], 1.0) for e in engines]
-        additions = list(dict.fromkeys(addition for each in told for addition in each.additions))
+        every = (self._uncertain, *told)
+        additions = list(dict.fromkeys(addition for each in every for addition in each.additions))
         fdm = initialised(aircraft, self._frame_s, additions)
         hold(fdm, self.trim)
         command(fdm, self.trim)
+        self._uncertain.settled(fdm)
+        self._undamaged = inertia(fdm)
         found_at = (None, *(throttles or [self.trim.throttle] * len(engines)))
         for each, throttle in zip(told, found_at, strict=True):
             if throttle is not None:
