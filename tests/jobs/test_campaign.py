@@ -20,8 +20,8 @@ from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.jobs.campaign.cases import Cases, quantile
-from uavftc.jobs.campaign.engine import Engine
 from uavftc.jobs.campaign.evaluate import Job, Plan, evaluate, prepare
+from uavftc.jobs.campaign.local import LocalEngine
 from uavftc.jobs.campaign.sweep import ready
 from uavftc.jobs.campaign.variants import reached, variants_of
 from uavftc.report.rate import line
@@ -122,7 +122,7 @@ def test_a_grid_is_counted_off_with_lists_in_step(file):
 
 def test_a_row_is_what_the_flight_alone_gives(file):
     made = ready(load_campaign(file))
-    prepare(Plan(made.variants, None, "none", None))
+    prepare(Plan(made.variants, None, "none"))
     values = made.cases.values(2)
     row = evaluate(Job(2, 0, values))
     scenario = changed(load_scenario("scenario1", plant="analytic", controller="ndi-l1"), values)
@@ -174,13 +174,13 @@ def test_histories_of_the_worst_are_kept_and_are_those_of_the_flights(file, tmp_
 
 
 def _plan(file):
-    return Plan(variants_of(load_campaign(file)), None, "none", None)
+    return Plan(variants_of(load_campaign(file)), None, "none")
 
 
 def test_a_worker_that_is_killed_costs_nothing_and_the_flight_is_flown_again(file):
     plan, killed, rows = _plan(file), [], []
     jobs = (Job(i, 0, {"reference.phi_deg": 1.0}) for i in range(40))
-    with Engine(plan, 1, 60.0) as engine:
+    with LocalEngine(plan, 1, 60.0) as engine:
         for row in engine.fly(jobs):
             if row is None:
                 continue
@@ -199,7 +199,7 @@ def test_a_worker_that_is_killed_costs_nothing_and_the_flight_is_flown_again(fil
 def test_a_flight_that_takes_too_long_is_an_error_and_the_others_are_flown(file):
     long = Job(0, 0, {"duration_s": 3000.0})
     short = Job(1, 0, {"duration_s": 1.0})
-    with Engine(_plan(file), 1, 0.05) as engine:
+    with LocalEngine(_plan(file), 1, 0.05) as engine:
         engine._timeout_s = 60.0
         first = [row for row in engine.fly(iter([short])) if row]  # loads and compiles
         engine._timeout_s = 0.05

@@ -133,6 +133,16 @@ class FlightResult(NamedTuple):
         assert self.history is not None
         write_history(path, self.history, metadata_of(self.scenario, self.origin), chunk=CHUNK_ROWS)
 
+    def history_bytes(self) -> bytes:
+        """Return what `write_history` would write."""
+        import pyarrow as pa  # noqa: PLC0415
+
+        assert self.history is not None
+        sink = pa.BufferOutputStream()
+        write_history(sink, self.history, metadata_of(self.scenario, self.origin), chunk=CHUNK_ROWS)
+        content: bytes = sink.getvalue().to_pybytes()
+        return content
+
 
 def origin_of(flight: Flight) -> dict[str, Any]:
     """Return the provenance of a flight that is built: versions, seed, checksums, and how the plant was set up."""

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ class ParquetRecorder:
     Parameters
     ----------
     path
-        File to write; an existing one is overwritten.
+        File to write; an existing one is overwritten. Or an output stream of pyarrow, which is closed at the end.
     metadata
         Text kept in the file's metadata, each key with `uavftc.` before it (scenario, versions, seed).
     columns
@@ -32,7 +33,7 @@ class ParquetRecorder:
     """
 
     def __init__(
-        self, path: Path, metadata: Mapping[str, str], columns: Sequence[signals.Column] = signals.COLUMNS
+        self, path: Path | Any, metadata: Mapping[str, str], columns: Sequence[signals.Column] = signals.COLUMNS
     ) -> None:
         import pyarrow as pa  # noqa: PLC0415  (0.1 s that a flight without --out need not pay)
         import pyarrow.parquet as pq  # noqa: PLC0415
@@ -45,7 +46,8 @@ class ParquetRecorder:
             metadata={METADATA_PREFIX + key: metadata[key] for key in sorted(metadata)},
         )
         # Byte planes of neighbouring doubles are alike: a third smaller and three times faster than a dictionary.
-        self._file = pa.OSFile(os.fsencode(path), mode="wb")  # as bytes: a path need not be text
+        # as bytes: a path need not be text
+        self._file = pa.OSFile(os.fsencode(path), mode="wb") if isinstance(path, os.PathLike) else path
         self._writer = pq.ParquetWriter(
             self._file, self._schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True
         )
@@ -76,7 +78,9 @@ class ParquetRecorder:
         self.close()
 
 
-def write_history(path: Path, columns: Mapping[str, np.ndarray], metadata: Mapping[str, str], *, chunk: int) -> None:
+def write_history(
+    path: Path | Any, columns: Mapping[str, np.ndarray], metadata: Mapping[str, str], *, chunk: int
+) -> None:
     """Write a whole history, to the byte as `ParquetRecorder` streams it from a flight in chunks.
 
     Parameters

@@ -25,7 +25,7 @@ def lines(made: Ready, workers: int | None = None) -> Iterator[str]:
     yield f"{campaign.name}: {cases.count} cases, {flights} flights, each case by {by}"
     for case in range(min(SHOWN, cases.count)):
         yield f"case {case}: " + ", ".join(f"{key} = {_short(value)}" for key, value in cases.values(case).items())
-    prepare(Plan(variants, campaign.success, "none", None))
+    prepare(Plan(variants, campaign.success, "none"))
     spent, outcomes = 0.0, []
     for place, variant in enumerate(variants):
         for case in range(MEASURED + 1):

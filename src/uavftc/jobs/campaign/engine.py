@@ -1,133 +1,76 @@
-"""Flights in worker processes, each with a time limit; a worker that dies costs its flight, not the campaign.
+"""Where the flights of a campaign are flown: an engine takes jobs and gives their rows, on this machine or a cluster.
 
-A pebble pool of fresh interpreters (JSBSim's logger belongs to the process that made it), one future a flight, a few
-flights ahead of the workers and no more, so that memory does not grow with their number. A flight whose worker died is
-flown once more, as something outside may have ended it; one that ends its worker twice is an error, and so is one that
-takes too long.
+    with engine_of(plan, timeout_s=300.0, workers=2) as engine:     # or cluster="tcp://host:8786"
+        for row in engine.fly(jobs): ...                            # as they end; None while nothing has
+
+`fly` may be called again and again; the workers stay. A sweep calls it once. A search calls it for each generation, a
+job being `Job(number of the evaluation, place of the variant, {key: value})`, and takes `rows(engine, jobs)`, which are
+in the order of the jobs: the same on any engine and any number of workers.
 """
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
-import time
-from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from concurrent.futures import TimeoutError as FutureTimeoutError
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Protocol
 
-from pebble import ProcessExpired, ProcessPool
+from uavftc.jobs.campaign.evaluate import PLACE, Job, Plan
 
-from uavftc.jobs.campaign.evaluate import Job, Plan, evaluate, prepare, row_of
-from uavftc.jobs.campaign.pool import ctrl_c_is_for_this_process
-from uavftc.results.hold import Hold
-
-AHEAD = 4  # flights given to the pool for each worker
-GRACE_S = 30.0  # beyond the time limit, for a worker to start: if nothing has come back by then, nothing will
-POOLS = 3  # in a row from which nothing came back, until the campaign is given up
-TRIES = 2  # of a flight whose worker died
+Row = dict[str, Any]
+"""Of the table, by column, with `plant` and `aircraft`; under `HISTORY` the bytes of a history that is kept."""
 
 
-class Engine:
-    """Flies jobs in worker processes; as a context manager it ends them all when it is left.
+class Engine(Protocol):
+    """What flies; a context manager that ends its workers, or leaves the cluster, when it is left."""
+
+    def __enter__(self) -> Engine: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def fly(self, jobs: Iterator[Job]) -> Iterator[Row | None]:
+        """Yield the row of each job as it ends, in no order, and None now and then while there is none.
+
+        Jobs are taken from the iterator a few ahead of the workers and no more. A flight that cannot be flown, takes
+        too long or ends its worker is a row with the outcome `error`.
+
+        Raises
+        ------
+        RuntimeError
+            If the workers end before they fly anything.
+        ConnectionError
+            If the cluster is gone.
+        """
+        ...
+
+
+def engine_of(plan: Plan, *, timeout_s: float, workers: int, cluster: str | None = None) -> Engine:
+    """Return an engine, to be entered.
 
     Parameters
     ----------
     plan
         What all flights share.
-    workers
-        Processes.
     timeout_s
         Wall-clock limit of one flight.
+    workers
+        Processes on this machine; no matter with a cluster.
+    cluster
+        Address of a Dask scheduler, such as ``tcp://host:8786``; None for this machine.
     """
+    from uavftc.jobs.campaign.local import LocalEngine  # noqa: PLC0415
 
-    def __init__(self, plan: Plan, workers: int, timeout_s: float) -> None:
-        self._plan, self._workers, self._timeout_s = plan, workers, timeout_s
-        self._pool: ProcessPool | None = None
-        self._flying: dict[Future[dict[str, Any]], tuple[Job, int]] = {}
-
-    def __enter__(self) -> Engine:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._end()
-
-    def fly(self, jobs: Iterator[Job]) -> Iterator[dict[str, Any] | None]:
-        """Yield the row of each flight as it ends, in no order, and None now and then while there is none."""
-        more, silent = True, 0
-        heard = time.monotonic()
-        while True:
-            while more and len(self._flying) < AHEAD * self._workers:
-                job = next(jobs, None)
-                if job is None:
-                    more = False
-                else:
-                    self._give(job, 1)
-            if not self._flying:
-                return
-            done, _ = wait(self._flying, timeout=0.5, return_when=FIRST_COMPLETED)
-            if done:
-                heard = time.monotonic()
-                silent = 0
-            elif time.monotonic() - heard > self._timeout_s + GRACE_S:
-                silent += 1
-                if silent == POOLS:
-                    raise RuntimeError("the worker processes end before they fly anything")
-                self._again()  # pebble can lose a flight given to a worker that died at that moment
-                heard = time.monotonic()
-            else:
-                yield None
-            for future in done:
-                row = self._taken(future)
-                if row is not None:
-                    yield row
-
-    def _give(self, job: Job, attempt: int) -> None:
-        with Hold(signal.SIGINT), ctrl_c_is_for_this_process():  # the workers start within, later ones from its threads
-            if self._pool is None:
-                context = multiprocessing.get_context("spawn")
-                self._pool = ProcessPool(self._workers, initializer=prepare, initargs=(self._plan,), context=context)
-            future = self._pool.schedule(evaluate, args=(job,), timeout=self._timeout_s)
-        self._flying[future] = job, attempt
-
-    def _taken(self, future: Future[dict[str, Any]]) -> dict[str, Any] | None:
-        """Return the row of a flight that ended, or None where it is flown again."""
-        job, attempt = self._flying.pop(future)
-        try:
-            return future.result()
-        except (FutureTimeoutError, TimeoutError):
-            reason = f"not done within {self._timeout_s:g} s"
-        except ProcessExpired as error:
-            if attempt < TRIES:
-                self._give(job, attempt + 1)
-                return None
-            reason = f"its process ended twice, {_how(error.exitcode)}"
-        except CancelledError:
-            self._give(job, attempt)
-            return None
-        except Exception as error:  # a bug of ours or of a custom controller, as the row says
-            reason = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
-        return {**row_of(self._plan.variants[job.variant], job), "reason": reason}
-
-    def _again(self) -> None:
-        """Give everything that is outstanding to a new pool."""
-        outstanding = list(self._flying.values())
-        self._end()
-        for job, attempt in outstanding:
-            self._give(job, attempt)
-
-    def _end(self) -> None:
-        pool, self._pool = self._pool, None
-        self._flying.clear()
-        if pool is not None:
-            pool.stop()
-            pool.join()
+    return LocalEngine(plan, workers, timeout_s)
 
 
-def _how(code: int | None) -> str:
-    if code is not None and code < 0:
-        try:
-            return f"by {signal.Signals(-code).name}"
-        except ValueError:
-            pass
-    return f"with exit code {code}"
+def rows(engine: Engine, jobs: Iterable[Job], heard: Callable[[Row | None], None] | None = None) -> list[Row]:
+    """Fly jobs and return their rows in the order of the jobs; no two may have the same case and variant.
+
+    `heard` is called with each row as it ends, and with None now and then while there is none.
+    """
+    asked = list(jobs)
+    found: dict[tuple[int, int], Row] = {}
+    for row in engine.fly(iter(asked)):
+        if heard is not None:
+            heard(row)
+        if row is not None:
+            found[row["case"], row[PLACE]] = row
+    return [found[job.case, job.variant] for job in asked]

@@ -26,6 +26,8 @@ from uavftc.scenario.changed import Changing
 
 ERROR = "error"
 """Outcome of a flight that could not be flown, whose worker died, or that took too long."""
+PLACE, HISTORY = "_variant", "_history"
+"""What a row has that is no column: the place of its variant, and the bytes of the history where it is kept."""
 METRIC_COLUMNS = tuple(f"{axis}_{metric.name}" for axis in AXES for metric in METRICS)
 
 
@@ -46,9 +48,7 @@ class Plan(NamedTuple):
     success: Mapping[str, float] | None
     """Greatest values of metrics, or None for outcome `survived`."""
     histories: str
-    """`none`, `failures` or `all`."""
-    folder: Path | None
-    """Where histories are written."""
+    """Which rows bring the bytes of a history: `none`, `failures` or `all`."""
 
 
 _plan: Plan | None = None
@@ -91,9 +91,9 @@ def evaluate(job: Job) -> dict[str, Any]:
         return row | {"reason": reason, "wall_s": _since(started)}
     row |= _results(result, _plan.success)
     keep = _plan.histories == "all" or (_plan.histories == "failures" and not row["success"])
-    if keep and _plan.folder is not None:
+    if keep:
         whole = result._replace(history=published(records, flight.columns), origin=origin_of(flight))
-        write_history(whole, _plan.folder / history_name(_plan.variants, job))
+        row[HISTORY] = whole.history_bytes()
     return row | {"wall_s": _since(started), "wall_loop_s": result.outcome.wall_s}
 
 
@@ -106,6 +106,7 @@ def row_of(variant: Variant, job: Job) -> dict[str, Any]:
         "aircraft": variant.aircraft,
         **job.values,
         "outcome": ERROR,
+        PLACE: job.variant,
     }
 
 
@@ -132,24 +133,13 @@ def succeeded(result: FlightResult, success: Mapping[str, float]) -> bool:
     return result.outcome.completed and all(value is not None and value <= limit for value, limit in values)
 
 
-def history_name(variants: Sequence[Variant], job: Job) -> str:
+def history_name(variants: Sequence[Variant], case: int, place: int) -> str:
     """Return the name of a flight's history: case and controller, then plant and aircraft where there are several."""
-    variant, name = variants[job.variant], f"{job.case:06d}-{variants[job.variant].controller}"
+    variant, name = variants[place], f"{case:06d}-{variants[place].controller}"
     for part in ("plant", "aircraft"):
         if len({getattr(one, part) for one in variants}) > 1:
             name += f"-{Path(getattr(variant, part)).name}".replace(":", "-")
     return f"{name}.parquet"
-
-
-def write_history(result: FlightResult, path: Path) -> None:
-    """Write a history whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        result.write_history(partial)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _short(error: InputError) -> str:

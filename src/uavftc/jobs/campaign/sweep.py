@@ -22,16 +22,15 @@ import numpy as np
 
 from uavftc.errors import InputError
 from uavftc.jobs.campaign.cases import Cases
-from uavftc.jobs.campaign.engine import Engine
-from uavftc.jobs.campaign.evaluate import Job, Plan
+from uavftc.jobs.campaign.engine import Engine, Row, engine_of
+from uavftc.jobs.campaign.evaluate import HISTORY, PLACE, Job, Plan, history_name
 from uavftc.jobs.campaign.identity import FILE, differences, identity
-from uavftc.jobs.campaign.table import PARTS, Table, schema_of
+from uavftc.jobs.campaign.table import HISTORIES, PARTS, Table, schema_of, whole
 from uavftc.jobs.campaign.variants import Variant, refuse, variants_of
 from uavftc.results import manifest
 from uavftc.results.folder import ResultFolder
 from uavftc.results.hold import Hold
 from uavftc.results.lock import Lock, NotOursError, TakenError
-from uavftc.results.summary import write_json
 from uavftc.scenario.campaign import Campaign, Worst
 
 PART_ROWS = 2000  # rows in a part at most
@@ -93,8 +92,19 @@ class Sweep:
         self._keep = histories.worst if isinstance(histories, Worst) else 0
         self._worst: list[tuple[float, int, int]] = []
 
-    def fly(self, *, workers: int | None = None, progress: Progress | None = None) -> dict[str, Any]:
+    def fly(
+        self, *, workers: int | None = None, cluster: str | None = None, progress: Progress | None = None
+    ) -> dict[str, Any]:
         """Fly what is missing and return the document of `summary.json`.
+
+        Parameters
+        ----------
+        workers
+            Processes on this machine; as many as cores where it is None.
+        cluster
+            Address of a Dask scheduler that flies instead.
+        progress
+            Called as flights end, and now and then.
 
         Raises
         ------
@@ -123,9 +133,14 @@ class Sweep:
             if not self._resume:
                 manifest.remove_ours(self.folder)
             (self.folder / PARTS).mkdir(parents=True, exist_ok=True)
-            _write_whole(self.folder / FILE, document)
+            _write_document(self.folder / FILE, document)
             self.begun = True
-            return self._fly(document, workers or usable_cores(), progress or _silent)
+
+            def engine(plan: Plan) -> Engine:
+                limit = self.made.campaign.timeout_s
+                return engine_of(plan, timeout_s=limit, workers=workers or usable_cores(), cluster=cluster)
+
+            return self._fly(document, engine, progress or _silent)
         finally:
             lock.release()
 
@@ -160,7 +175,9 @@ class Sweep:
     def _finished(self, document: dict[str, Any]) -> bool:
         return self._resume and manifest.read_summary(self.folder) is not None and self._there() == document
 
-    def _fly(self, document: dict[str, Any], workers: int, progress: Progress) -> dict[str, Any]:
+    def _fly(
+        self, document: dict[str, Any], engine_for: Callable[[Plan], Engine], progress: Progress
+    ) -> dict[str, Any]:
         campaign, variants, cases = self.made
         table = Table(self.folder, schema_of(campaign), variants)
         flown = np.zeros((cases.count, len(variants)), dtype=bool)
@@ -170,7 +187,7 @@ class Sweep:
             self._count(controller, outcome, success, margin, case, place)
         progress(self.done, self.made.flights, self.failures)
         keep = "none" if self._keep else str(campaign.histories)
-        plan = Plan(variants, campaign.success, keep, self.folder / "histories")
+        plan = Plan(variants, campaign.success, keep)
         jobs = (
             Job(case, place, cases.values(case))
             for case in range(cases.count)
@@ -179,26 +196,26 @@ class Sweep:
             if not flown[case, place]
         )
         try:
-            with Engine(plan, workers, campaign.timeout_s) as engine:
+            with engine_for(plan) as engine:
                 self._take(engine.fly(jobs), table, progress)
         except BaseException:
             with Hold():
                 table.flush()
             raise
-        self._fly_worst(plan, workers)
+        self._fly_worst(plan, engine_for)
         table.merge(cases.count)
         return self._end(table, document)
 
-    def _take(self, rows: Iterator[dict[str, Any] | None], table: Table, progress: Progress) -> None:
+    def _take(self, rows: Iterator[Row | None], table: Table, progress: Progress) -> None:
         written = time.monotonic()
         for row in rows:
             if row is not None:
                 with Hold():
+                    self._keep_history(row)
                     table.add(row)
                     self.done += 1
-                    place = table.place(row)
                     counted = (row["controller"], row["outcome"], row.get("success"), row.get("margin"), row["case"])
-                    self._count(*counted, place)
+                    self._count(*counted, row[PLACE])
             progress(self.done, self.made.flights, self.failures)
             if table.waiting >= PART_ROWS or (table.waiting and time.monotonic() - written > PART_S):
                 with Hold():
@@ -206,6 +223,13 @@ class Sweep:
                 written = time.monotonic()
         with Hold():
             table.flush()
+
+    def _keep_history(self, row: Row) -> None:
+        content = row.pop(HISTORY, None)
+        if content is not None:
+            name = history_name(self.made.variants, row["case"], row[PLACE])
+            with whole(self.folder / HISTORIES / name) as stream:
+                stream.write(content)
 
     def _count(
         self, controller: str, outcome: str, success: bool | None, margin: float | None, case: int, place: int
@@ -221,13 +245,14 @@ class Sweep:
         """Flights so far that are no success."""
         return self.done - sum(self._succeeded.values())
 
-    def _fly_worst(self, plan: Plan, workers: int) -> None:
+    def _fly_worst(self, plan: Plan, engine_for: Callable[[Plan], Engine]) -> None:
         """Fly those with the smallest margins once more, for their histories."""
         if self._worst:
             jobs = (Job(-c, -p, self.made.cases.values(-c)) for _, c, p in sorted(self._worst, reverse=True))
-            with Engine(plan._replace(histories="all"), workers, self.made.campaign.timeout_s) as engine:
-                for _ in engine.fly(jobs):
-                    pass
+            with engine_for(plan._replace(histories="all")) as engine:
+                for row in engine.fly(jobs):
+                    if row is not None:
+                        self._keep_history(row)
 
     def _end(self, table: Table, document: dict[str, Any]) -> dict[str, Any]:
         """Write the summary, which makes the campaign complete, and remove the parts."""
@@ -251,7 +276,7 @@ class Sweep:
             "files": {name: sha for name, sha in listed.items() if not name.startswith(f"{PARTS}/")},
         }
         summary[manifest.OWN_CHECKSUM] = manifest.own_checksum(summary)
-        _write_whole(self.folder / manifest.SUMMARY, summary)
+        _write_document(self.folder / manifest.SUMMARY, summary)
         table.remove_parts()
         return summary
 
@@ -265,13 +290,9 @@ def usable_cores() -> int:
     return len(count(0)) if count is not None else os.cpu_count() or 1
 
 
-def _write_whole(path: Path, document: dict[str, Any]) -> None:
-    partial = path.with_name(f".{path.name}")
-    try:
-        write_json(partial, document)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+def _write_document(path: Path, document: dict[str, Any]) -> None:
+    with whole(path) as stream:
+        stream.write(manifest.text_of(document).encode())
 
 
 def _silent(done: int, total: int, failures: int) -> None:

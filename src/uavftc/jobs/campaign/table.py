@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -23,6 +24,7 @@ from uavftc.jobs.campaign.variants import Variant
 from uavftc.scenario.campaign import Campaign, Vary
 
 PARTS = "parts"
+HISTORIES = "histories"
 TABLE = "flights.parquet"
 MERGED_CASES = 4096  # put in order at a time
 VARIANT = ("controller", "plant", "aircraft")
@@ -131,11 +133,6 @@ class Table:
             places = map(int, self._keys(table)[1])
             yield from zip(*(columns[name] for name in names), places, strict=True)
 
-    def place(self, row: Mapping[str, Any]) -> int:
-        """Return the place of a row's variant."""
-        controller, plant, aircraft = (row[name] for name in VARIANT)
-        return self._place[controller, plant, aircraft]
-
     def add(self, row: Mapping[str, Any]) -> None:
         """Take a row; it is on disk after the next `flush`."""
         self._rows.append({field.name: as_cell(row.get(field.name), field.type) for field in self._schema})
@@ -213,13 +210,25 @@ def write(path: Path, tables: Iterator[pa.Table] | Sequence[pa.Table], schema: p
     OSError
         If there is no room; nothing is left then.
     """
+    with whole(path) as stream, pq.ParquetWriter(stream, schema, write_page_checksum=True) as writer:
+        for table in tables:
+            writer.write_table(table)
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[BinaryIO]:
+    """Give a file to be written that is under its name when it is complete and on the disk, or not at all.
+
+    Raises
+    ------
+    OSError
+        If there is no room; nothing is left then.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}")
     try:
         with partial.open("wb") as stream:
-            with pq.ParquetWriter(stream, schema, write_page_checksum=True) as writer:
-                for table in tables:
-                    writer.write_table(table)
+            yield stream
             stream.flush()
             os.fsync(stream.fileno())
         partial.replace(path)
