@@ -25,6 +25,15 @@ def sweep(
         typer.Option(metavar="DIR", help="Result folder; default results/sweep-<campaign>."),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Fly only what is missing in DIR.")] = False,
+    until_width: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(
+            min=0.0001,
+            max=1.0,
+            metavar="W",
+            help="End when the 95 % interval of success of every controller is this narrow, such as 0.02.",
+        ),
+    ] = None,
     overrides: Annotated[
         Optional[list[str]],  # noqa: UP045
         typer.Option("--set", metavar="KEY=VALUE", help="Change one value of the campaign, such as cases=60."),
@@ -52,7 +61,8 @@ def sweep(
             print(text)
         return
     folder = out if out is not None else Path("results") / f"sweep-{made.campaign.name}"
-    job = Sweep(made, folder, resume=resume, inputs=(find_campaign(campaign), made.campaign.base_file))
+    inputs = (find_campaign(campaign), made.campaign.base_file)
+    job = Sweep(made, folder, resume=resume, inputs=inputs, until_width=until_width)
     if not quiet and not is_compiled():
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     rate = Rate()

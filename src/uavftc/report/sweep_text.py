@@ -15,6 +15,9 @@ def print_sweep(console: Console, summary: Mapping[str, Any]) -> None:
     """Print how many flights of each controller ended how, from the document of `summary.json`."""
     title = f"{summary['campaign']}: {summary['cases']} cases, {summary['flights']} flights"
     console.print(Text(title, style="bold"))
+    if "until_width" in summary:
+        known = "ended there: no interval of success is" if summary["narrow"] else "an interval of success is still"
+        console.print(Text(f"{known} wider than {summary['until_width']:g}"))
     controllers = summary["controllers"]
     columns = list(next(iter(controllers.values())))
     table = Table(box=box.HORIZONTALS, show_edge=False)

@@ -23,6 +23,11 @@ def scenario_text(scenario: Scenario) -> str:
     return "\n".join(_block(data, 0)) + "\n"
 
 
+def value_text(value: Any) -> str:
+    """Return a value on one line of YAML, as ``--set KEY=VALUE`` takes it; reading it gives the same value."""
+    return _flow(value)
+
+
 class _Given(dict[str, Any]):
     """A map of the user's, whose order is kept."""
 

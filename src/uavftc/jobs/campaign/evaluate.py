@@ -10,7 +10,6 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from multiprocessing import parent_process
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from uavftc.analysis.metrics import METRICS, controlled_of
@@ -20,7 +19,7 @@ from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.recorder import published
 from uavftc.jobs.campaign.pool import judged
-from uavftc.jobs.campaign.variants import Variant, reached
+from uavftc.jobs.campaign.variants import Variant, names_of, reached
 from uavftc.results.flight import FlightResult, origin_of
 from uavftc.scenario.changed import Changing
 
@@ -134,12 +133,8 @@ def succeeded(result: FlightResult, success: Mapping[str, float]) -> bool:
 
 
 def history_name(variants: Sequence[Variant], case: int, place: int) -> str:
-    """Return the name of a flight's history: case and controller, then plant and aircraft where there are several."""
-    variant, name = variants[place], f"{case:06d}-{variants[place].controller}"
-    for part in ("plant", "aircraft"):
-        if len({getattr(one, part) for one in variants}) > 1:
-            name += f"-{Path(getattr(variant, part)).name}".replace(":", "-")
-    return f"{name}.parquet"
+    """Return the name of a flight's history: its case and the name of its variant."""
+    return f"{case:06d}-{names_of(variants)[place]}.parquet"
 
 
 def _short(error: InputError) -> str:

@@ -2,6 +2,7 @@
 
 campaign.json      what the campaign is; it is there first
 parts/             rows of the flights that ended, until all have
+scenarios/         what the cases change, one file a variant
 histories/         of the flights that keep theirs
 flights.parquet    the sorted table, when all flights have ended
 summary.json       how they ended, and the checksum of each file; it is there last
@@ -25,6 +26,8 @@ from uavftc.jobs.campaign.cases import Cases
 from uavftc.jobs.campaign.engine import Engine, Row, engine_of
 from uavftc.jobs.campaign.evaluate import HISTORY, PLACE, Job, Plan, history_name
 from uavftc.jobs.campaign.identity import FILE, differences, identity
+from uavftc.jobs.campaign.narrow import Narrow, refuse_counted, remove_later
+from uavftc.jobs.campaign.scenarios import write_scenarios
 from uavftc.jobs.campaign.table import HISTORIES, PARTS, Table, schema_of, whole
 from uavftc.jobs.campaign.variants import Variant, refuse, variants_of
 from uavftc.results import manifest
@@ -80,9 +83,19 @@ class Sweep:
         Go on with what is there.
     inputs
         Files that the campaign came from; a folder that holds one of them is not replaced.
+    until_width
+        Width of the interval of success, of each variant, with which the campaign ends; None for all cases.
     """
 
-    def __init__(self, made: Ready, out: Path, *, resume: bool = False, inputs: tuple[Path, ...] = ()) -> None:
+    def __init__(
+        self,
+        made: Ready,
+        out: Path,
+        *,
+        resume: bool = False,
+        inputs: tuple[Path, ...] = (),
+        until_width: float | None = None,
+    ) -> None:
         self.made, self.folder, self._resume = made, Path(os.path.realpath(out)), resume
         self._shown, self._inputs = str(out), inputs
         self.done, self.torn, self.begun = 0, 0, False
@@ -91,6 +104,10 @@ class Sweep:
         histories = made.campaign.histories
         self._keep = histories.worst if isinstance(histories, Worst) else 0
         self._worst: list[tuple[float, int, int]] = []
+        self._narrow: Narrow | None = None
+        if until_width is not None:
+            refuse_counted(made.campaign)
+            self._narrow = Narrow(until_width, made.cases.count, len(made.variants))
 
     def fly(
         self, *, workers: int | None = None, cluster: str | None = None, progress: Progress | None = None
@@ -116,6 +133,8 @@ class Sweep:
             If there is no room; what was finished before is on disk.
         """
         document = identity(self.made.campaign, self.made.variants)
+        if self._narrow is not None:
+            document["until_width"] = self._narrow.asked
         self._look(document)
         lock = Lock(self.folder)
         try:
@@ -134,6 +153,7 @@ class Sweep:
                 manifest.remove_ours(self.folder)
             (self.folder / PARTS).mkdir(parents=True, exist_ok=True)
             _write_document(self.folder / FILE, document)
+            write_scenarios(self.folder, self.made.variants)
             self.begun = True
 
             def engine(plan: Plan) -> Engine:
@@ -196,15 +216,35 @@ class Sweep:
             if not flown[case, place]
         )
         try:
-            with engine_for(plan) as engine:
-                self._take(engine.fly(jobs), table, progress)
+            if self._after is None:
+                with engine_for(plan) as engine:
+                    self._take(engine.fly(jobs), table, progress)
         except BaseException:
             with Hold():
                 table.flush()
             raise
+        if self._after is not None:
+            self._leave_out_later(table, self._after)
         self._fly_worst(plan, engine_for)
-        table.merge(cases.count)
+        table.merge(self._after or cases.count)
         return self._end(table, document)
+
+    @property
+    def _after(self) -> int | None:
+        """The number of cases with which the campaign is over before its last."""
+        return self._narrow.after if self._narrow is not None else None
+
+    def _leave_out_later(self, table: Table, cases: int) -> None:
+        """Count anew what is kept."""
+        self.done = 0
+        self._tally.clear()
+        self._succeeded.clear()
+        self._worst.clear()
+        for row in table.outcomes():
+            if row[4] < cases:
+                self.done += 1
+                self._count(*row)
+        remove_later(self.folder / HISTORIES, cases)
 
     def _take(self, rows: Iterator[Row | None], table: Table, progress: Progress) -> None:
         written = time.monotonic()
@@ -216,6 +256,8 @@ class Sweep:
                     self.done += 1
                     counted = (row["controller"], row["outcome"], row.get("success"), row.get("margin"), row["case"])
                     self._count(*counted, row[PLACE])
+                if self._after is not None:
+                    break
             progress(self.done, self.made.flights, self.failures)
             if table.waiting >= PART_ROWS or (table.waiting and time.monotonic() - written > PART_S):
                 with Hold():
@@ -236,6 +278,8 @@ class Sweep:
     ) -> None:
         self._tally[controller, outcome] += 1
         self._succeeded[controller] += bool(success)
+        if self._narrow is not None:
+            self._narrow.take(case, place, success)
         if self._keep and margin is not None:  # a heap of the smallest margins, the greatest of them on top
             push = heapq.heappushpop if len(self._worst) >= self._keep else heapq.heappush
             push(self._worst, (-margin, -case, -place))
@@ -262,7 +306,8 @@ class Sweep:
         listed = manifest.checksums(self.folder)
         summary: dict[str, Any] = {
             "campaign": self.made.campaign.name,
-            "cases": self.made.cases.count,
+            "cases": self._after or self.made.cases.count,
+            **({} if self._narrow is None else {"until_width": self._narrow.asked, "narrow": self._after is not None}),
             "flights": self.done,
             "controllers": {
                 name: {

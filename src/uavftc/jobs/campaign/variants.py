@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import product
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from uavftc.errors import InputError
@@ -55,6 +56,18 @@ def variants_of(campaign: Campaign) -> list[Variant]:
             remedy="rename one of the modules",
         )
     return sorted(found, key=lambda one: one[:3])
+
+
+def names_of(variants: Sequence[Variant]) -> list[str]:
+    """Return a name for the files of each: the controller, then plant and aircraft where there are several."""
+    found: list[str] = []
+    for variant in variants:
+        name = variant.controller
+        for part in ("plant", "aircraft"):
+            if len({getattr(one, part) for one in variants}) > 1:
+                name += f"-{Path(getattr(variant, part)).name}".replace(":", "-")
+        found.append(name if name not in found else f"{name}-{len(found)}")  # two folders of aircraft with one name
+    return found
 
 
 def refuse(campaign: Campaign, variants: Sequence[Variant], cases: Cases) -> None:
