@@ -10,7 +10,7 @@ import pytest
 
 from uavftc.errors import InputError
 from uavftc.jobs.compare import compare, load_combinations
-from uavftc.report.overlays import looks
+from uavftc.report.palette import looks
 from uavftc.report.side_by_side import markdown, tidy_csv, variant_lines
 from uavftc.results.history import read_history, read_metadata
 

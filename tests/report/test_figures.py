@@ -11,6 +11,7 @@ from PIL import Image
 
 from uavftc.report import figures, panels
 from uavftc.report.figures import write_figures
+from uavftc.report.series import envelope
 from uavftc.results.context import FigureContext
 from uavftc.results.windows import VEHICLE, FlightWindow
 
@@ -102,14 +103,14 @@ def test_envelope_keeps_extremes_ends_and_order_and_passes_over_nan():
     t = np.arange(100_003.0)
     y = np.sin(t)
     y[5_000], y[70_000], y[-1], y[10:20] = 50.0, -40.0, 0.25, np.nan
-    t_thin, y_thin = panels.envelope(t, y, bins=1000)
+    t_thin, y_thin = envelope(t, y, bins=1000)
     assert len(t_thin) <= 2 * 1000 + 2
     assert (np.diff(t_thin) >= 0).all()
     assert t_thin[np.argmax(y_thin)] == 5_000
     assert t_thin[np.argmin(y_thin)] == 70_000
     assert (t_thin[0], t_thin[-1], y_thin[-1]) == (0.0, 100_002.0, 0.25)
     assert np.isfinite(y_thin).all()
-    assert np.isnan(panels.envelope(t, np.full_like(y, np.nan))[1]).all()
+    assert np.isnan(envelope(t, np.full_like(y, np.nan))[1]).all()
 
 
 def test_tracking_is_in_degrees_and_marks_the_convergence_time(make_history):

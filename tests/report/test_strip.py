@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from uavftc.core.layout import OwnSignal
 from uavftc.report import figures, palette, panels
 from uavftc.report.air_figure import air
-from uavftc.report.overlays import commands, looks, tracking, write_overlays
+from uavftc.report.overlays import commands, tracking, write_overlays
 from uavftc.report.overview import overview
+from uavftc.report.palette import looks
 from uavftc.report.signals_figure import custom
 from uavftc.report.strip import TOLD, mark, new_figure
 from uavftc.results.context import FigureContext

@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from uavftc.report import panels
 from uavftc.report.drawn import Drawn, History
 from uavftc.report.palette import ACTUAL, THREE
-from uavftc.report.panels import column, deg, letters
+from uavftc.report.panels import letters
+from uavftc.report.series import column, deg
 from uavftc.report.strip import mark, new_figure
 from uavftc.results.context import FigureContext
 

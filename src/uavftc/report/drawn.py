@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from uavftc.report import panels
+from uavftc.report import panels, series
 from uavftc.report.chatter import chatter
 from uavftc.report.palette import MEASURED, TWIN
 from uavftc.results.context import FigureContext
@@ -46,7 +46,7 @@ class Drawn:
         """Draw a measured angle or rate, deg or deg/s, where the sensors have errors; return it."""
         if not self._measured or name not in self.history:
             return []
-        values = panels.deg(self.history, name)
+        values = series.deg(self.history, name)
         if turn is not None:
             return [panels.curve(ax, self.t, values, turn=turn, label="as measured", **MEASURED)]
         return [chatter(ax, self.t, values, label="as measured", **MEASURED)]

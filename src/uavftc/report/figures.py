@@ -15,13 +15,14 @@ from matplotlib.figure import Figure
 
 from uavftc.analysis.metrics import CONVERGENCE_BAND_DEG as BAND_DEG
 from uavftc.core.signals import ANGLES, AXES, RATES, SURFACES
-from uavftc.report import panels
+from uavftc.report import panels, series
 from uavftc.report.air_figure import air
 from uavftc.report.chatter import chatter
 from uavftc.report.drawn import Drawn, History
 from uavftc.report.overview import STYLE, overview
 from uavftc.report.palette import ACTUAL, COMMAND, DEFLECTION, ESTIMATE, GREEN, REFERENCE
-from uavftc.report.panels import IDLE_DEGPS, column, deg, letters
+from uavftc.report.panels import IDLE_DEGPS, letters
+from uavftc.report.series import column, deg
 from uavftc.report.signals_figure import custom
 from uavftc.report.strip import mark, new_figure
 from uavftc.results.context import FigureContext
@@ -155,7 +156,7 @@ def _deflections(ax: Axes, flight: Drawn, context: FigureContext, name: str, com
     commanded = chatter(ax, flight.t, deg(flight.history, f"{name}_cmd_rad"), label=command, **COMMAND)
     deflected = flight.busy(ax, _read(f"{name}_rad"), label=position, **DEFLECTION)
     bounds = limits_deg(context, name)
-    drawn = [*panels.wound_up(commanded, deflected, bounds), *deflected]
+    drawn = [*series.wound_up(commanded, deflected, bounds), *deflected]
     panels.fit_y(ax, drawn, least=0.2, keep=panels.limits(ax, drawn, bounds))
     mark(ax, context, name, written=True)
 

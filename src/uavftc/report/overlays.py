@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -17,17 +17,16 @@ from uavftc.report.chatter import chatter
 from uavftc.report.distance import attitude_difference, rate_difference, rows_in_common
 from uavftc.report.drawn import History
 from uavftc.report.figures import BAND_DEG, TURN, limits_deg
-from uavftc.report.palette import GREEN, REFERENCE
-from uavftc.report.panels import deg, letters
+from uavftc.report.palette import GREEN, REFERENCE, THINNEST, WIDEST, looks
+from uavftc.report.panels import letters
+from uavftc.report.series import deg, wound_up
 from uavftc.report.strip import mark, new_figure
 from uavftc.results.context import FigureContext
 
 Key = tuple[str, str]
 """(plant, controller)."""
 
-_MARKED = 4  # so many flights or more have markers too: line styles alone are no longer told apart
 _MARKERS = 8  # of a curve
-_WIDEST, _THINNEST = 3.0, 1.4  # points
 
 
 def write_overlays(folder: Path, histories: Mapping[Key, History], context: FigureContext) -> list[Path]:
@@ -57,34 +56,6 @@ def write_overlays(folder: Path, histories: Mapping[Key, History], context: Figu
             paths.append(folder / f"{name}.png")
             figure(histories, context).savefig(paths[-1])
     return paths
-
-
-def looks(keys: Sequence[Key]) -> dict[Key, dict[str, Any]]:
-    """Return how each flight is drawn: the colour shows what there is more than one of, the dashes show the plant.
-
-    With only one controller (or one plant), colour and dashes both show the plant (the controller). A controller that
-    is shipped has the same colour in every comparison.
-    """
-    plants, controllers = (list(dict.fromkeys(key[i] for key in keys)) for i in (0, 1))
-    by = 0 if len(controllers) == 1 and len(plants) > 1 else 1
-    styles = palette.in_order(plants) if by == 0 else palette.controllers(controllers)
-    dashes = palette.in_order(plants)
-    found: dict[Key, dict[str, Any]] = {}
-    # What is drawn later lies above and is thinner, so that curves which coincide stay visible, all of them.
-    widths = np.linspace(_WIDEST, max(_THINNEST, _WIDEST - 0.5 * (len(keys) - 1)), len(keys))
-    order = sorted(range(len(keys)), key=lambda i: plants.index(keys[i][0]))
-    for place, i in enumerate(order):
-        plant, controller = keys[i]
-        look = dict(styles[(plant, controller)[by]])
-        if len(plants) > 1:
-            look["linestyle"] = dashes[plant]["linestyle"]
-        marker = look.pop("marker")
-        if len(keys) >= _MARKED:
-            look |= {"marker": marker, "markersize": 5.5}
-        label = f"{plant}, {controller}" if len(plants) > 1 else controller
-        look |= {"linewidth": float(widths[place]), "zorder": 2.1 + 0.01 * place, "label": label}
-        found[keys[i]] = look
-    return {key: found[key] for key in keys}
 
 
 def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure:
@@ -141,7 +112,7 @@ def commands(histories: Mapping[Key, History], context: FigureContext) -> Figure
         limits = limits_deg(context, surface)
         for key, history in histories.items():
             drawn.append(chatter(ax, history["time_s"], deg(history, f"{surface}_cmd_rad"), **look[key]))
-            shown += panels.wound_up(drawn[-1], [deg(history, f"{surface}_rad")], limits)
+            shown += wound_up(drawn[-1], [deg(history, f"{surface}_rad")], limits)
         panels.fit_y(ax, shown, least=0.2, keep=panels.limits(ax, shown, limits))
         letters(ax, i, f"{surface}, commanded", "$v_2$ [deg]")
         mark(ax, context, surface)
@@ -157,7 +128,7 @@ def difference(histories: Mapping[Key, History], context: FigureContext) -> Figu
     looked = palette.controllers([a[1] for a, _ in pairs]) if len({a[1] for a, _ in pairs}) == len(pairs) else None
     looked = palette.in_order(names) if looked is None else dict(zip(names, looked.values(), strict=True))
     styles = [
-        {**looked[name], "marker": None, "linewidth": max(_THINNEST, _WIDEST - 0.5 * i), "label": name}
+        {**looked[name], "marker": None, "linewidth": max(THINNEST, WIDEST - 0.5 * i), "label": name}
         for i, name in enumerate(names)
     ]
     for i, (angle, rate) in enumerate(zip(ANGLES, RATES, strict=True)):

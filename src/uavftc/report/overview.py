@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from uavftc.core.signals import AXES, SURFACES
-from uavftc.report import panels
+from uavftc.report import panels, series
 from uavftc.report.drawn import Drawn, History
 from uavftc.report.palette import ACTUAL, BLACK, COMMAND, DARK, DEFLECTION, KINDS, REFERENCE, THREE
-from uavftc.report.panels import column, deg
+from uavftc.report.series import column, deg
 from uavftc.report.strip import mark, named, width_of
 from uavftc.results.context import FigureContext
 from uavftc.results.windows import ANGLES, RATES
@@ -50,7 +50,7 @@ def overview(history: History, context: FigureContext) -> Figure:
     flight, limiting = Drawn(history, context), context.limiting
     context = replace(context, limiting=None)  # the mark of the other figures is too large here
     fig = Figure(figsize=SIZE_IN)
-    lines = _head(fig, context, panels.ends(flight.t)[1])
+    lines = _head(fig, context, series.ends(flight.t)[1])
     grid = fig.add_gridspec(
         3, 3, left=0.058, right=0.988, bottom=0.105, top=0.915 - 0.033 * lines, wspace=0.22, hspace=0.30
     )
@@ -181,7 +181,7 @@ def _surface(ax: Axes, flight: Drawn, context: FigureContext, i: int) -> None:
             label="reached" if k == 0 else f"reached, {_side(name)}", **DEFLECTION | {"linewidth": 1.1} | colours,
         )  # fmt: skip
         bounds = [np.rad2deg(v) for v in context.limits_rad.get(name) or () if np.isfinite(v)]
-        now = [*panels.wound_up(commanded, deflected, bounds), *deflected]
+        now = [*series.wound_up(commanded, deflected, bounds), *deflected]
         kept += panels.limits(ax, now, bounds)
         drawn += now
     panels.fit_y(ax, drawn, least=0.2, keep=kept)
@@ -207,7 +207,7 @@ def _speed(ax: Axes, flight: Drawn, context: FigureContext) -> None:
         drawn = flight.curve(ax, lambda history: column(history, "airspeed_mps"), **ACTUAL | _LOOKS)
         ax.set_title("airspeed [m/s]")
     else:
-        first = float(panels.finite([speed])[0])
+        first = float(series.finite([speed])[0])
         drawn = flight.curve(ax, lambda history: column(history, "airspeed_mps") - first, **ACTUAL | _LOOKS)
         looks = [{**THREE[1], "linewidth": 0.9}, {**THREE[2], "linewidth": 0.9}, {"color": DARK, "linewidth": 0.9}]
         for part, look in zip(("north", "east", "down"), looks, strict=True):
@@ -253,7 +253,7 @@ def _way(ax: Axes, flight: Drawn, context: FigureContext) -> None:
         mark(ax, context, "altitude")
         return
     north, east = column(flight.history, "north_m"), column(flight.history, "east_m")
-    up = height - panels.finite([height])[0]
+    up = height - series.finite([height])[0]
     drawn = [
         panels.curve(ax, north, up, label="up", **THREE[0]),
         panels.curve(ax, north, east, label="east", **THREE[1]),

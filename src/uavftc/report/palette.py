@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 # Okabe and Ito, "Color universal design" (2008): distinct with every common colour vision deficiency.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
@@ -67,6 +69,14 @@ KINDS = {
 }
 """By `FlightWindow.kind`."""
 
+ON_DARK = {
+    BLACK: "#f2f2f2", BLUE: "#5aa9ff", SKY: "#a5dcff", GREEN: "#22c296", VERMILLION: "#ff8033", PURPLE: "#e394bf",
+    DARK: "#b8b8b8", "#7a7a7a": "#9a9a9a",
+}  # fmt: skip
+"""The same colours, light enough for a dark ground; what is not here stays as it is."""
+
+MARKED = 4  # so many flights or more have markers too: line styles alone are no longer told apart
+WIDEST, THINNEST = 3.0, 1.4  # points
 _CONTROLLERS = ("nndondi-l1", "ndi-l1", "nndondi-mrac", "ndi-mrac", "pid", "lqi")
 _MARKERS = ("o", "s", "^", "D", "v", "P")
 
@@ -87,6 +97,34 @@ def controllers(names: Sequence[str]) -> dict[str, dict[str, Any]]:
 def in_order(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return colour, line style and marker of each of several things of a kind, in their order."""
     return {name: _look(i) for i, name in enumerate(names)}
+
+
+def looks(keys: Sequence[tuple[str, str]]) -> dict[tuple[str, str], dict[str, Any]]:
+    """Return how each flight, (plant, controller), of a comparison is drawn: the colour shows what there is more than one of, the dashes show the plant.
+
+    With only one controller (or one plant), colour and dashes both show the plant (the controller). A controller that
+    is shipped has the same colour in every comparison.
+    """
+    plants, controllers = (list(dict.fromkeys(key[i] for key in keys)) for i in (0, 1))
+    by = 0 if len(controllers) == 1 and len(plants) > 1 else 1
+    styles = in_order(plants) if by == 0 else controllers(controllers)
+    dashes = in_order(plants)
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    # What is drawn later lies above and is thinner, so that curves which coincide stay visible, all of them.
+    widths = np.linspace(WIDEST, max(THINNEST, WIDEST - 0.5 * (len(keys) - 1)), len(keys))
+    order = sorted(range(len(keys)), key=lambda i: plants.index(keys[i][0]))
+    for place, i in enumerate(order):
+        plant, controller = keys[i]
+        look = dict(styles[(plant, controller)[by]])
+        if len(plants) > 1:
+            look["linestyle"] = dashes[plant]["linestyle"]
+        marker = look.pop("marker")
+        if len(keys) >= MARKED:
+            look |= {"marker": marker, "markersize": 5.5}
+        label = f"{plant}, {controller}" if len(plants) > 1 else controller
+        look |= {"linewidth": float(widths[place]), "zorder": 2.1 + 0.01 * place, "label": label}
+        found[keys[i]] = look
+    return {key: found[key] for key in keys}
 
 
 def _look(i: int) -> dict[str, Any]:

@@ -16,14 +16,10 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 
 from uavftc.report.palette import DARK, LIMIT, VERMILLION
+from uavftc.report.series import BINS, ends, envelope, finite, signed, span
 
 MAX_POINTS = 20_000  # rows drawn as they are; beyond, the envelope
-_BINS = 2_000  # two points each; a panel is some 700 pixels wide
-THINNED = 2 * _BINS  # points of an envelope, about
-_LARGEST = 1e9  # beyond it, the end of a diverged flight is not drawn: it would overflow the axes
-_BRIEF = 0.005  # share of the samples on either side that may be a spike
-_FAR = 4.0  # a spike makes the span of the values at least so many times that of the others
-_WOUND_UP_DEG = 30.0  # how far beyond the deflection a command is drawn where there is no limit
+THINNED = 2 * BINS  # points of an envelope, about
 WITHOUT = "without faults"
 """The label of the twin's curves."""
 _LETTERS = string.ascii_letters
@@ -69,9 +65,9 @@ def legends(axes: np.ndarray, columns: int | None = None) -> None:
 
     `columns` of entries are two by default, and one where the axes are narrow.
     """
-    for column in axes.T:
-        if entries := _entries(column):
-            column[-1].legend(
+    for below in axes.T:
+        if entries := _entries(below):
+            below[-1].legend(
                 list(entries.values()),
                 list(entries),
                 loc="upper center",
@@ -128,23 +124,6 @@ def curve(ax: Axes, t: np.ndarray, y: np.ndarray, *, turn: float | None = None, 
     return y
 
 
-def envelope(t: np.ndarray, y: np.ndarray, bins: int = _BINS) -> tuple[np.ndarray, np.ndarray]:
-    """Return the least and the greatest sample of each of about `bins` stretches, in their order in time.
-
-    Shape (n,) in, about (2 bins,) out; a spike of a single sample survives, and so do the first and the last sample.
-    NaN is passed over, unless the whole stretch is NaN.
-    """
-    width = -(-len(t) // bins)
-    missing = -len(t) % width
-    block = np.concatenate([y, np.full(missing, np.nan)]).reshape(-1, width)
-    low = np.where(np.isnan(block), np.inf, block).argmin(axis=1)
-    high = np.where(np.isnan(block), -np.inf, block).argmax(axis=1)
-    start = np.arange(len(block)) * width
-    pick = np.stack([np.minimum(low, high), np.maximum(low, high)], axis=1) + start[:, None]
-    kept = np.concatenate([[0], pick.ravel(), [len(t) - 1]])
-    return t[kept], y[kept]
-
-
 def cut(ax: Axes, values: Sequence[float]) -> None:
     """Bound the y-axis to a span beyond a lower and an upper limit, both drawn.
 
@@ -157,19 +136,6 @@ def cut(ax: Axes, values: Sequence[float]) -> None:
     new = max(bottom, 2 * low - high), min(top, 2 * high - low)
     if new[0] < high and new[1] > low:
         ax.set_ylim(*new)
-
-
-def wound_up(command: np.ndarray, deflection: Sequence[np.ndarray], limits: Sequence[float]) -> list[np.ndarray]:
-    """Return what the y-axis is to show of a command, deg: of one far beyond what is deflected or allowed a part.
-
-    That part reaches a span of the limits beyond them, or 30 deg beyond the deflection where there are not two.
-    """
-    kept, values = finite([*deflection, np.asarray(limits, dtype=float)]), finite([command])
-    if not kept.size or not values.size:
-        return [command]
-    low, high = float(kept.min()), float(kept.max())
-    reach = high - low if len(limits) == 2 else max(_WOUND_UP_DEG, high - low)
-    return [np.clip(values, low - reach, high + reach)]
 
 
 def name_off_scale(ax: Axes) -> None:
@@ -185,12 +151,7 @@ def name_off_scale(ax: Axes) -> None:
     slack = 1e-9 * (top - bottom)
     beyond = [v for v, off in ((low, low < bottom - slack), (high, high > top + slack)) if off]
     if beyond:
-        remark(ax, "off scale: to " + " and ".join(map(_signed, beyond)))
-
-
-def _signed(value: float) -> str:
-    """Return a number with its sign and three digits that count: +1390."""
-    return f"{float(f'{value:.3g}'):+g}"
+        remark(ax, "off scale: to " + " and ".join(map(signed, beyond)))
 
 
 def remark(ax: Axes, text: str) -> None:
@@ -206,42 +167,14 @@ def remark(ax: Axes, text: str) -> None:
 
 
 def fit_y(ax: Axes, values: Sequence[np.ndarray], least: float, keep: Sequence[np.ndarray] = ()) -> None:
-    """Set the y-axis to the finite `values` and to `keep`, spanning at least `least`; a spike of `values` is cut.
-
-    A spike is what at most one per cent of the values do, if it makes their span more than four times as large.
-    """
-    drawn, kept = finite(values), finite(keep)
-    low, high = (float(drawn.min()), float(drawn.max())) if drawn.size else (0.0, 0.0)
-    if drawn.size:
-        core = [float(v) for v in np.quantile(drawn, (_BRIEF, 1.0 - _BRIEF))]
-        span = max(core[1] - core[0], least)
-        if high - low > _FAR * span:
-            low, high = max(low, core[0] - 0.5 * span), min(high, core[1] + 0.5 * span)
-    if kept.size:
-        low, high = min(low, float(kept.min())), max(high, float(kept.max()))
-    short = max(least - (high - low), 0.0) / 2
-    low, high = low - short, high + short
-    margin = 0.06 * (high - low)
-    ax.set_ylim(low - margin, high + margin)
-
-
-def finite(values: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the finite numbers among several arrays, shape (n,)."""
-    drawn = np.concatenate([np.ravel(v) for v in values]) if values else np.empty(0)
-    found: np.ndarray = drawn[np.isfinite(drawn)]
-    return found
+    """Set the y-axis as `series.span` says."""
+    ax.set_ylim(*span(values, least, keep))
 
 
 def fit_t(ax: Axes, t: np.ndarray) -> None:
     """Set the shared time axis to the flight."""
     start, end = ends(t)
     ax.set_xlim(start, end if end > start else start + 1.0)
-
-
-def ends(t: np.ndarray) -> tuple[float, float]:
-    """Return the first and the last finite time, s; 0 where there is none."""
-    found = finite([t])
-    return (float(found[0]), float(found[-1])) if found.size else (0.0, 0.0)
 
 
 def limits(ax: Axes, drawn: Sequence[np.ndarray], values: Sequence[float]) -> list[np.ndarray]:
@@ -251,7 +184,7 @@ def limits(ax: Axes, drawn: Sequence[np.ndarray], values: Sequence[float]) -> li
     shown = [v for v in values if found.size and np.abs(found - v).min() <= reach]
     for value in shown:
         ax.axhline(value, label="limit", **LIMIT)
-    if off := ", ".join(_signed(v) for v in values if v not in shown):
+    if off := ", ".join(signed(v) for v in values if v not in shown):
         remark(ax, f"off scale: limit {off}")
     return [np.array([v]) for v in shown]
 
@@ -300,14 +233,3 @@ def letters(ax: Axes, index: int, title: str, unit: str) -> None:
     """Give a panel its letter (by `index`), title and unit."""
     ax.set_title(f"({_LETTERS[index % len(_LETTERS)]}) {title}")
     ax.set_ylabel(unit)
-
-
-def column(history: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """Return a column to draw, shape (n,): NaN where it is absent or has diverged."""
-    values = history.get(name, np.full(len(history["time_s"]), np.nan))
-    return np.where(np.abs(values) < _LARGEST, values, np.nan)
-
-
-def deg(history: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """Return a column in rad as deg, or in rad/s as deg/s; see `column`."""
-    return np.rad2deg(column(history, name))

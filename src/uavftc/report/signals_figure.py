@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from uavftc.core.layout import OwnSignal
-from uavftc.report import panels
+from uavftc.report import panels, series
 from uavftc.report.drawn import Drawn, History
 from uavftc.report.palette import SEVERAL
 from uavftc.report.strip import mark, new_figure
@@ -54,7 +54,7 @@ def _draw(ax: Axes, flight: Drawn, signal: OwnSignal, room: int) -> None:
         curves.append(ax.lines[-1])
     if not any(np.isfinite(values).any() for values in drawn):
         panels.absent(ax, "the controller returned none")
-    found = panels.finite(drawn)
+    found = series.finite(drawn)
     size = float(np.abs(found).max()) if found.size else 1.0
     if size == 0.0:
         panels.note(ax, "0 all flight", height=0.7)
@@ -68,5 +68,5 @@ def _draw(ax: Axes, flight: Drawn, signal: OwnSignal, room: int) -> None:
 
 
 def _shown(name: str, unit: str) -> Callable[[History], np.ndarray]:
-    read = panels.deg if unit.startswith("rad") else panels.column
+    read = series.deg if unit.startswith("rad") else series.column
     return lambda history: read(history, name)

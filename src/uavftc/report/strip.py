@@ -17,7 +17,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from uavftc.report.palette import BLACK, KINDS, WHITE
-from uavftc.report.panels import ends, fit_t, name_off_scale, width_of
+from uavftc.report.panels import fit_t, name_off_scale, width_of
+from uavftc.report.series import ends
 from uavftc.results.context import FigureContext
 from uavftc.results.windows import FlightWindow
 

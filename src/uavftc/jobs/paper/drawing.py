@@ -19,7 +19,8 @@ from uavftc.report import panels
 from uavftc.report.chatter import chatter
 from uavftc.report.distance import attitude_difference
 from uavftc.report.palette import BLACK, BLUE, DARK, DASHED, DOTTED, PURPLE, THREE, VERMILLION
-from uavftc.report.panels import IDLE_DEGPS, column, deg
+from uavftc.report.panels import IDLE_DEGPS
+from uavftc.report.series import column, deg
 from uavftc.report.strip import mark
 from uavftc.results.context import FigureContext
 from uavftc.results.windows import windows_of
