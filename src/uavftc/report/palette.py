@@ -100,14 +100,14 @@ def in_order(names: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 
 def looks(keys: Sequence[tuple[str, str]]) -> dict[tuple[str, str], dict[str, Any]]:
-    """Return how each flight, (plant, controller), of a comparison is drawn: the colour shows what there is more than one of, the dashes show the plant.
+    """Return how each flight, (plant, controller), is drawn: the colour shows what differs, the dashes show the plant.
 
     With only one controller (or one plant), colour and dashes both show the plant (the controller). A controller that
     is shipped has the same colour in every comparison.
     """
-    plants, controllers = (list(dict.fromkeys(key[i] for key in keys)) for i in (0, 1))
-    by = 0 if len(controllers) == 1 and len(plants) > 1 else 1
-    styles = in_order(plants) if by == 0 else controllers(controllers)
+    plants, named = (list(dict.fromkeys(key[i] for key in keys)) for i in (0, 1))
+    by = 0 if len(named) == 1 and len(plants) > 1 else 1
+    styles = in_order(plants) if by == 0 else controllers(named)
     dashes = in_order(plants)
     found: dict[tuple[str, str], dict[str, Any]] = {}
     # What is drawn later lies above and is thinner, so that curves which coincide stay visible, all of them.
