@@ -11,7 +11,6 @@ summary.json       how they ended, and the checksum of each file; it is there la
 from __future__ import annotations
 
 import heapq
-import json
 import os
 import time
 from collections import Counter
@@ -21,24 +20,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from uavftc.errors import InputError
 from uavftc.jobs.campaign.cases import Cases
 from uavftc.jobs.campaign.engine import Engine, Row, engine_of
 from uavftc.jobs.campaign.evaluate import HISTORY, PLACE, Job, Plan, history_name
-from uavftc.jobs.campaign.identity import FILE, differences, identity
+from uavftc.jobs.campaign.identity import identity
+from uavftc.jobs.campaign.kept import Kept
 from uavftc.jobs.campaign.narrow import Narrow, refuse_counted, remove_later
 from uavftc.jobs.campaign.scenarios import write_scenarios
 from uavftc.jobs.campaign.table import HISTORIES, PARTS, Table, schema_of, whole
 from uavftc.jobs.campaign.variants import Variant, refuse, variants_of
 from uavftc.results import manifest
-from uavftc.results.folder import ResultFolder
 from uavftc.results.hold import Hold
-from uavftc.results.lock import Lock, NotOursError, TakenError
 from uavftc.scenario.campaign import Campaign, Worst
 
 PART_ROWS = 2000  # rows in a part at most
 PART_S = 5.0  # time after which a part is written: what a killed campaign loses
-_SHOWN = 8  # differences shown
 
 Progress = Callable[[int, int, int], None]
 """Called with flights done, how many there are, and failures so far."""
@@ -96,9 +92,9 @@ class Sweep:
         inputs: tuple[Path, ...] = (),
         until_width: float | None = None,
     ) -> None:
-        self.made, self.folder, self._resume = made, Path(os.path.realpath(out)), resume
-        self._shown, self._inputs = str(out), inputs
-        self.done, self.torn, self.begun = 0, 0, False
+        self.made, self._kept = made, Kept(out, resume=resume, inputs=inputs)
+        self.folder = self._kept.path
+        self.done, self.torn = 0, 0
         self._tally: Counter[tuple[str, str]] = Counter()
         self._succeeded: Counter[str] = Counter()
         histories = made.campaign.histories
@@ -135,65 +131,24 @@ class Sweep:
         document = identity(self.made.campaign, self.made.variants)
         if self._narrow is not None:
             document["until_width"] = self._narrow.asked
-        self._look(document)
-        lock = Lock(self.folder)
-        try:
-            self.folder.parent.mkdir(parents=True, exist_ok=True)
-            lock.take()
-        except (TakenError, NotOursError):
-            raise self._error(
-                "another uavftc that is writing to it just now",
-                "one job at a time",
-                "wait until it has ended, or name another folder with --out",
-            ) from None
-        try:
-            if self._finished(document):
-                return manifest.read_summary(self.folder) or {}
-            if not self._resume:
-                manifest.remove_ours(self.folder)
-            (self.folder / PARTS).mkdir(parents=True, exist_ok=True)
-            _write_document(self.folder / FILE, document)
+        self._kept.look(document)
+        with self._kept as kept:
+            if (summary := kept.finished(document)) is not None:
+                return summary
+            kept.begin(document)
+            (self.folder / PARTS).mkdir(exist_ok=True)
             write_scenarios(self.folder, self.made.variants)
-            self.begun = True
 
             def engine(plan: Plan) -> Engine:
                 limit = self.made.campaign.timeout_s
                 return engine_of(plan, timeout_s=limit, workers=workers or usable_cores(), cluster=cluster)
 
             return self._fly(document, engine, progress or _silent)
-        finally:
-            lock.release()
 
-    def _look(self, document: dict[str, Any]) -> None:
-        """Refuse a folder that is not ours, one that holds an unfinished campaign, and another campaign's."""
-        there = self._there()
-        if self._resume and there is None:
-            remedy = "leave --resume out, or name the folder of the campaign with --out"
-            raise self._error(f"no {FILE} in it", "a folder in which this campaign was begun", remedy)
-        if self._resume:
-            found = list(differences(there, document))
-            if found:
-                more = [f"and {len(found) - _SHOWN} more"] if len(found) > _SHOWN else []
-                raise self._error(
-                    f"another campaign: {'; '.join([*found[:_SHOWN], *more])}",
-                    "the same file, base, aircraft, code and versions, so that all rows are of one campaign",
-                    "put back what differs, or name another folder with --out and begin anew",
-                )
-        elif there is not None and manifest.read_summary(self.folder) is None:
-            remedy = "go on with it (--resume), name another folder with --out, or remove it"
-            raise self._error("an unfinished campaign", "a new folder", remedy)
-        else:
-            ResultFolder(self.folder, self._inputs).check()
-
-    def _there(self) -> dict[str, Any] | None:
-        try:
-            document = json.loads((self.folder / FILE).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
-        return document if isinstance(document, dict) else None
-
-    def _finished(self, document: dict[str, Any]) -> bool:
-        return self._resume and manifest.read_summary(self.folder) is not None and self._there() == document
+    @property
+    def begun(self) -> bool:
+        """Whether something was written into the folder."""
+        return self._kept.begun
 
     def _fly(
         self, document: dict[str, Any], engine_for: Callable[[Plan], Engine], progress: Progress
@@ -318,26 +273,17 @@ class Sweep:
                 for name in names
             },
             "provenance": {**document["versions"], "campaign_sha256": document["campaign_sha256"]},
-            "files": {name: sha for name, sha in listed.items() if not name.startswith(f"{PARTS}/")},
         }
-        summary[manifest.OWN_CHECKSUM] = manifest.own_checksum(summary)
-        _write_document(self.folder / manifest.SUMMARY, summary)
+        files = {name: sha for name, sha in listed.items() if not name.startswith(f"{PARTS}/")}
+        summary = self._kept.complete(summary, files)
         table.remove_parts()
         return summary
-
-    def _error(self, found: str, expected: str, remedy: str) -> InputError:
-        return InputError(f"--out {self._shown}", found=found, expected=expected, remedy=remedy)
 
 
 def usable_cores() -> int:
     """Return how many cores this process may use."""
     count = getattr(os, "sched_getaffinity", None)
     return len(count(0)) if count is not None else os.cpu_count() or 1
-
-
-def _write_document(path: Path, document: dict[str, Any]) -> None:
-    with whole(path) as stream:
-        stream.write(manifest.text_of(document).encode())
 
 
 def _silent(done: int, total: int, failures: int) -> None:
