@@ -12,6 +12,7 @@ from uavftc.cli.aircraft import aircraft
 from uavftc.cli.bench import bench
 from uavftc.cli.compare import compare
 from uavftc.cli.design import design
+from uavftc.cli.falsify import falsify
 from uavftc.cli.fly import fly
 from uavftc.cli.margin import margin
 from uavftc.cli.outcome import exit_codes
@@ -20,7 +21,7 @@ from uavftc.cli.reproduce import reproduce
 from uavftc.cli.survivable import survivable
 from uavftc.cli.sweep import sweep
 
-COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, survivable, bench)
+COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, falsify, survivable, bench)
 """The commands of `uavftc`, in the order in which its help lists them."""
 
 _SETTINGS: dict[str, Any] = {

@@ -59,6 +59,8 @@ class Vary(Model):
     """values of any kind: every one is flown with every value of the other grids"""
     list: Values | None = None
     """values of any kind, one after the other, in step with the other lists"""
+    nominal: Any = None
+    """the value without a fault, from which `falsify` measures distances; left out, that of the base"""
 
     @property
     def kind(self) -> str:

@@ -1,0 +1,1 @@
+"""The search for the faults that break a controller."""
