@@ -17,11 +17,12 @@ from uavftc.cli.fly import fly
 from uavftc.cli.margin import margin
 from uavftc.cli.outcome import exit_codes
 from uavftc.cli.process import run
+from uavftc.cli.report import report
 from uavftc.cli.reproduce import reproduce
 from uavftc.cli.survivable import survivable
 from uavftc.cli.sweep import sweep
 
-COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, falsify, survivable, bench)
+COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, falsify, survivable, report, bench)
 """The commands of `uavftc`, in the order in which its help lists them."""
 
 _SETTINGS: dict[str, Any] = {

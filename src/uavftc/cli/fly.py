@@ -5,12 +5,15 @@ from __future__ import annotations
 import functools
 import sys
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from uavftc.cli.options import AircraftName, NoPlots, Overrides, PlantName, Quiet, ScenarioName, default_folder
+from uavftc.cli.options import AircraftName, NoPlots, Overrides, PlantName, Quiet, Report, ScenarioName, default_folder
 from uavftc.cli.outcome import BROKEN, INTERRUPTED, LOST, UNEXPECTED
+
+if TYPE_CHECKING:
+    from uavftc.jobs.fly import Page
 
 
 def fly(
@@ -33,6 +36,7 @@ def fly(
     twin: Annotated[
         bool, typer.Option("--twin", help="Fly the same without faults, too, and show what the faults did.")
     ] = False,
+    report: Report = False,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 4 where a requirement is broken.")] = False,
 ) -> None:
     """Fly SCENARIO and write table, history and figures of the flight.
@@ -48,6 +52,13 @@ def fly(
     name = f"{loaded.name}-{controller_name(loaded)}-{loaded.plant}"
     folder = out if out is not None else default_folder(name, None if aircraft is None else loaded.aircraft)
 
+    page: Page | None = None
+    if report:
+        from uavftc.jobs.report import page_of_flight  # noqa: PLC0415
+        from uavftc.report.page.html import require_extra  # noqa: PLC0415
+
+        require_extra("--report")
+        page = page_of_flight
     from uavftc.core.stage import is_compiled  # noqa: PLC0415
     from uavftc.jobs.fly import fly_mission  # noqa: PLC0415
     from uavftc.report.progress import progress  # noqa: PLC0415
@@ -61,19 +72,22 @@ def fly(
         progress=functools.partial(progress, quiet=quiet),
         inputs=[find_scenario(scenario)],
         twin=twin,
+        page=page,
     )
     if not quiet:
         from uavftc.report.console import Terminal  # noqa: PLC0415
         from uavftc.report.table import print_result  # noqa: PLC0415
 
         print_result(Terminal(), document, folder, aside=Terminal(stderr=True))
-    if "figures_missing" in document:
-        print(f"error: {folder} has no figures: {document['figures_missing']}", file=sys.stderr)
+    lacking = {"figures_missing": "figures", "report_missing": "report.html"}.items()
+    missing = [f"error: {folder} has no {what}: {document[key]}" for key, what in lacking if key in document]
+    for line in missing:
+        print(line, file=sys.stderr)
     if outcome.interrupted:
         raise typer.Exit(INTERRUPTED)
     if not outcome.completed:
         raise typer.Exit(LOST)
-    if "figures_missing" in document:
+    if missing:
         raise typer.Exit(UNEXPECTED)
     if strict and document["verdict"]["outcome"] != "survived":
         raise typer.Exit(BROKEN)

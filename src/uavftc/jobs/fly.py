@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from uavftc.analysis.metrics import Metrics
-from uavftc.flight.build import build_flight
+from uavftc.flight.build import Flight, build_flight
 from uavftc.flight.fly import Outcome, fly
 from uavftc.flight.trusted import TrustedRange
 from uavftc.jobs.twin import document_of, fly_twin
@@ -26,6 +26,11 @@ from uavftc.scenario.schema import Scenario
 Progress = Callable[[int], AbstractContextManager[Callable[[int], None]]]
 """Given the number of rows, a context that yields a function to call with the rows flown so far."""
 
+Page = Callable[
+    [Flight, FlightResult, Mapping[str, Any], Mapping[str, np.ndarray], Mapping[str, np.ndarray] | None], str
+]
+"""Given a flight, what came of it, its `summary.json`, its history and that of its twin, the text of its page."""
+
 
 def fly_mission(
     scenario: Scenario,
@@ -35,6 +40,7 @@ def fly_mission(
     progress: Progress | None = None,
     inputs: Sequence[Path] = (),
     twin: bool = False,
+    page: Page | None = None,
 ) -> tuple[dict[str, Any], Outcome]:
     """Fly a scenario and write its result folder, whole or not at all.
 
@@ -55,11 +61,13 @@ def fly_mission(
         Files that the scenario came from; a folder that holds one of them is not replaced.
     twin
         Whether to fly the same without faults, too, and say what each of them did.
+    page
+        What makes `report.html`; None: there is none.
 
     Returns
     -------
-    The document of `summary.json`, and how the flight ended. The document has `figures_missing`, the reason, where
-    there was no room for the figures.
+    The document of `summary.json`, and how the flight ended. The document has `figures_missing` or `report_missing`,
+    the reason, where there was no room for the figures or the page.
 
     Raises
     ------
@@ -93,38 +101,46 @@ def fly_mission(
             document = result.summary()
             if other is not None:
                 document["twin"] = document_of(flight.scenario, read_history(history), other)
+            unfaulted = None if other is None else other.history
             if figures:
-                _draw(folder, history, result, document, hold, None if other is None else other.history)
+                _extra(folder, "figures", lambda into: draw(into, history, result, unfaulted), document, hold)
+            if page is not None:
+                columns = read_history(history)
+
+                def write(into: Path) -> None:
+                    into.write_text(page(flight, result, document, columns, unfaulted), encoding="utf-8", newline="\n")
+
+                _extra(folder, "report", write, document, hold)
             document = folder.write_summary(document)
         if hold.take():  # after the flight, or in the drawing
             outcome = outcome._replace(interrupted=True)
     return document, outcome
 
 
-def _draw(
-    folder: ResultFolder,
-    history: Path,
-    result: FlightResult,
-    document: dict[str, Any],
-    hold: Hold,
-    twin: Mapping[str, np.ndarray] | None,
-) -> None:
-    """Draw the figures; on Ctrl-C, or where there is no room for them, keep the flight without them and say so."""
-    kept = "the flight is kept, without its figures"
+_EXTRAS = {"figures": ("figures", "figures", "drawing"), "report": ("report.html", "page", "writing the page")}
+"""What a flight can do without: its name in the folder, what it is called, and what is going on while it is made."""
 
-    def draw_now(into: Path) -> None:
+
+def _extra(
+    folder: ResultFolder, kind: str, write: Callable[[Path], object], document: dict[str, Any], hold: Hold
+) -> None:
+    """Write figures or the page; on Ctrl-C, or where there is no room for them, keep the flight without and say so."""
+    name, called, doing = _EXTRAS[kind]
+    kept = f"the flight is kept, without its {called}"
+
+    def write_now(into: Path) -> None:
         with hold.first_acts():
-            draw(into, history, result, twin)
+            write(into)
 
     try:
-        missing = folder.figures(draw_now)
+        missing = folder.extra(name, write_now)
     except KeyboardInterrupt:
         hold.note_again()
-        document["warnings"].append(f"interrupted while drawing: {kept}")
+        document["warnings"].append(f"interrupted while {doing}: {kept}")
         return
     if missing is not None:
-        document["figures_missing"] = missing
-        document["warnings"].append(f"no room for the figures ({missing}): {kept}")
+        document[f"{kind}_missing"] = missing
+        document["warnings"].append(f"no room for the {called} ({missing}): {kept}")
 
 
 def draw(folder: Path, history: Path, result: FlightResult, twin: Mapping[str, np.ndarray] | None = None) -> None:

@@ -152,12 +152,19 @@ class ResultFolder:
 
         An exception of any other kind passes through, and then none are left either.
         """
-        folder = self.path / "figures"
+        return self.extra("figures", draw)
+
+    def extra(self, name: str, write: Callable[[Path], object]) -> str | None:
+        """Let `write` write a file or folder that the results can do without; else as `figures`."""
+        path = self.path / name
         try:
-            draw(folder)
+            write(path)
         except BaseException as error:
             with Hold():
-                shutil.rmtree(folder, ignore_errors=True)
+                if path.is_dir():
+                    shutil.rmtree(path, ignore_errors=True)
+                else:
+                    path.unlink(missing_ok=True)
             if isinstance(error, OSError) and error.errno in FULL:
                 return os.strerror(error.errno)
             raise

@@ -1,0 +1,138 @@
+"""`report.html` of what a job has left on disk, and of a flight or a comparison that was just flown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uavftc.core.layout import Layout
+from uavftc.errors import InputError
+from uavftc.flight.build import Flight, build_flight
+from uavftc.jobs.paper import printed
+from uavftc.plants.jsbsim.span import span
+from uavftc.report.page.flight import flight_page
+from uavftc.report.page.html import require_extra
+from uavftc.report.page.tables import Printed
+from uavftc.report.page.view import SPAN_M, Sketch
+from uavftc.results.added import add_file, own_summary
+from uavftc.results.flight import FlightResult
+from uavftc.results.history import read_history
+from uavftc.results.saved import result_of
+from uavftc.scenario.load import controller_name, load_scenario, scenario_text
+from uavftc.scenario.schema import Scenario
+
+NAME = "report.html"
+HISTORY, SCENARIO = "history.parquet", "scenario.yaml"
+
+
+def report(folder: Path) -> Path:
+    """Write the page of a result folder into it, and return its path.
+
+    Raises
+    ------
+    InputError
+        If the folder is not a complete one of uavftc's with something to show, or the extra is missing.
+    """
+    where = f"report {folder}"
+    require_extra(where)
+    document = own_summary(folder, where)
+    make = next((make for key, make in _KINDS.items() if key in document), None)
+    if make is None:
+        raise InputError(
+            where,
+            found="the results of another command",
+            expected="a flight, a comparison, a reproduction or a campaign",
+            remedy="name the folder of one of them",
+        )
+    text = make(folder, document, where)
+    add_file(folder, NAME, text, where)
+    return folder / NAME
+
+
+def page_of_flight(
+    flight: Flight,
+    result: FlightResult,
+    document: Mapping[str, Any],
+    history: Mapping[str, np.ndarray],
+    twin: Mapping[str, np.ndarray] | None = None,
+) -> str:
+    """Return the page of a flight that was just flown; its history has the published columns."""
+    return _flight_page(flight, result, document, history, twin=twin)
+
+
+def _flight_page(
+    flight: Flight | None,
+    result: FlightResult,
+    document: Mapping[str, Any],
+    history: Mapping[str, np.ndarray],
+    *,
+    twin: Mapping[str, np.ndarray] | None = None,
+    remarks: tuple[str, ...] = (),
+) -> str:
+    return flight_page(
+        history,
+        replace(result.figure_context(), twin=twin),
+        document,
+        scenario_text(result.scenario),
+        sketch=sketch_of(flight),
+        printed=printed_of(result.scenario),
+        remarks=remarks,
+    )
+
+
+def sketch_of(flight: Flight | None) -> Sketch:
+    """Return how the moving view draws the aircraft of a flight; None is one of which nothing is known."""
+    if flight is None:
+        return Sketch()
+    return Sketch(flight.layout, span(flight.aircraft) or SPAN_M)
+
+
+def printed_of(scenario: Scenario) -> Printed | None:
+    """Return what the paper prints of a flight; None where it has none, or a key of the scenario was changed."""
+    controller = controller_name(scenario)
+    found = {
+        (one.axis, one.metric): one.value
+        for one in printed.tables()
+        if (one.shipped, one.controller) == (scenario.name, controller)
+    }
+    if not found:
+        return None
+    shipped = build_flight(load_scenario(scenario.name, plant=scenario.plant, controller=controller)).scenario
+    return found if scenario_text(shipped) == scenario_text(scenario) else None
+
+
+def _of_flight(folder: Path, document: Mapping[str, Any], where: str) -> str:
+    for name in (HISTORY, SCENARIO):
+        if not (folder / name).is_file():
+            raise InputError(
+                where, found=f"no {name} in it", expected="a flight with its history", remedy="fly the scenario again"
+            )
+    history = read_history(folder / HISTORY)
+    scenario = load_scenario(folder / SCENARIO)
+    flight, remarks = rebuilt(scenario)
+    result = result_of(document, flight.scenario if flight is not None else scenario, layout_of(flight))
+    return _flight_page(flight, result, document, history, remarks=remarks)
+
+
+def rebuilt(scenario: Scenario) -> tuple[Flight | None, tuple[str, ...]]:
+    """Return a flight as it would be flown again, and a remark where that cannot be had here any more."""
+    try:
+        return build_flight(scenario), ()
+    except InputError as error:
+        lacking = "limits and the surfaces of the moving view are not shown as they were"
+        return None, (f"the flight cannot be built again ({error.where}: {error.found}): {lacking}",)
+
+
+def layout_of(flight: Flight | None) -> Layout:
+    """Return the effectors of a flight, or three surfaces where it could not be built again."""
+    return Layout() if flight is None else flight.layout
+
+
+Make = Callable[[Path, Mapping[str, Any], str], str]
+
+_KINDS: dict[str, Make] = {"axes": _of_flight}
+"""What makes the page of a folder, by a key of its summary that no other kind has."""
