@@ -20,9 +20,11 @@ from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
 from uavftc.jobs.campaign.cases import Cases, quantile
+from uavftc.jobs.campaign.engine import rows
 from uavftc.jobs.campaign.evaluate import Job, Plan, evaluate, prepare
 from uavftc.jobs.campaign.local import LocalEngine
 from uavftc.jobs.campaign.sweep import ready
+from uavftc.jobs.campaign.table import content
 from uavftc.jobs.campaign.variants import reached, variants_of
 from uavftc.report.rate import line
 from uavftc.scenario.campaign import Vary, load_campaign
@@ -55,11 +57,6 @@ def cases_of(file, *overrides):
 
 def run(*arguments):
     return CliRunner().invoke(umbrella, ["sweep", *map(str, arguments)])
-
-
-def content(folder):
-    table = pq.read_table(folder / "flights.parquet")
-    return table.select([name for name in table.column_names if not name.startswith("wall_")])
 
 
 # --- cases ---------------------------------------------------------------------------------------------------------
@@ -196,6 +193,21 @@ def test_a_worker_that_is_killed_costs_nothing_and_the_flight_is_flown_again(fil
     assert {row["outcome"] for row in rows} <= {"survived", "degraded"}
 
 
+def test_workers_that_die_while_there_is_nothing_to_fly_cost_nothing(file):
+    import multiprocessing
+
+    jobs = [Job(i, 0, {"duration_s": 1.0}) for i in range(4)]
+    with LocalEngine(_plan(file), 1, 60.0) as engine:
+        first = rows(engine, jobs)
+        for child in multiprocessing.active_children():
+            child.kill()
+            child.join()
+        time.sleep(0.5)
+        second = rows(engine, jobs)
+    assert [row["case"] for row in second] == [0, 1, 2, 3]
+    assert [row["margin"] for row in second] == [row["margin"] for row in first]
+
+
 def test_a_flight_that_takes_too_long_is_an_error_and_the_others_are_flown(file):
     long = Job(0, 0, {"duration_s": 3000.0})
     short = Job(1, 0, {"duration_s": 1.0})
@@ -327,3 +339,30 @@ def test_a_folder_that_is_not_ours_is_left_alone(file, tmp_path):
 def test_a_campaign_that_is_not_there_names_the_shipped_ones():
     with pytest.raises(InputError, match="paper-faults"):
         load_campaign("paper-fault")
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("tcp://127.0.0.1:1", ("no scheduler there", "dask scheduler")),
+        ("nonsense://", ("no scheduler there", "tcp://host:8786")),
+    ],
+)
+def test_a_cluster_that_is_not_there_is_refused_and_nothing_is_written(file, tmp_path, monkeypatch, address, said):
+    pytest.importorskip("distributed")
+    from uavftc.jobs.campaign import cluster
+
+    monkeypatch.setattr(cluster, "CONNECT_S", 0.5)
+    result = run(file, "--cluster", address, "--out", tmp_path / "out")
+    assert result.exit_code == 2, result.output
+    assert all(text in " ".join(result.output.split()) for text in said)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_cluster_without_the_extra_is_refused_with_what_to_install(file, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delitem(sys.modules, "uavftc.jobs.campaign.cluster", raising=False)
+    result = run(file, "--cluster", "tcp://127.0.0.1:1", "--out", tmp_path / "out")
+    assert result.exit_code == 2, result.output
+    assert 'pip install "uavftc[campaign]"' in " ".join(result.output.split())
+    assert not (tmp_path / "out").exists()

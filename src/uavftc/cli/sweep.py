@@ -20,6 +20,10 @@ def sweep(
         Optional[int],  # noqa: UP045
         typer.Option(min=1, metavar="N", help="Processes; default: as many as cores. The table does not depend on it."),
     ] = None,
+    cluster: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(metavar="ADDRESS", help="Fly on a Dask cluster instead, tcp://host:8786 (extra `campaign`)."),
+    ] = None,
     out: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="DIR", help="Result folder; default results/sweep-<campaign>."),
@@ -49,6 +53,7 @@ def sweep(
     finished is kept, and --resume flies the rest.
     """
     from uavftc.core.stage import is_compiled  # noqa: PLC0415
+    from uavftc.errors import InputError  # noqa: PLC0415
     from uavftc.jobs.campaign.sweep import Sweep, ready  # noqa: PLC0415
     from uavftc.report.rate import Rate  # noqa: PLC0415
     from uavftc.scenario.campaign import find_campaign, load_campaign  # noqa: PLC0415
@@ -67,11 +72,11 @@ def sweep(
         print("first flight: compiling the control laws (about ten seconds, once)", file=sys.stderr, flush=True)
     rate = Rate()
     try:
-        summary = job.fly(workers=workers, progress=None if quiet else rate)
-    except (KeyboardInterrupt, OSError) as error:
+        summary = job.fly(workers=workers, cluster=cluster, progress=None if quiet else rate)
+    except (KeyboardInterrupt, OSError, InputError) as error:
         rate.end()
         if job.begun:
-            kept = f"{job.done} of {made.flights} flights are kept in {folder}; --resume flies the rest"
+            kept = f"{job.kept} of {made.flights} flights are kept in {folder}; --resume flies the rest"
             if isinstance(error, OSError):
                 print(f"error: {error.strerror or error}; {kept}", file=sys.stderr)
                 raise typer.Exit(UNEXPECTED) from None

@@ -154,8 +154,8 @@ def _reason(flight: Flight, lost: np.void) -> str:
     return envelope.reason(flight.envelope[0], lost)
 
 
-def fly_to_memory(flight: Flight) -> tuple[np.ndarray, Outcome]:
-    """Fly and return all rows, shape (n,), dtype `signals.ROW`, with the outcome."""
+def fly_to_memory(flight: Flight, stop: Callable[[], bool] | None = None) -> tuple[np.ndarray, Outcome]:
+    """Fly and return all rows, shape (n,), dtype `signals.ROW`, with the outcome; `stop` as that of `fly`."""
     memory = MemoryRecorder()
-    outcome = fly(flight, [memory])
+    outcome = fly(flight, [memory], stop=stop)
     return memory.records(), outcome

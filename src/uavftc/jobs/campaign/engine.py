@@ -20,7 +20,13 @@ Row = dict[str, Any]
 
 
 class Engine(Protocol):
-    """What flies; a context manager that ends its workers, or leaves the cluster, when it is left."""
+    """What flies; a context manager that ends its workers, or leaves the cluster, when it is left.
+
+    Raises
+    ------
+    InputError
+        When it is entered, if there is no such cluster, or its workers cannot fly the plan.
+    """
 
     def __enter__(self) -> Engine: ...
 
@@ -38,6 +44,8 @@ class Engine(Protocol):
             If the workers end before they fly anything.
         ConnectionError
             If the cluster is gone.
+        InputError
+            If a worker that joined the cluster is of another version.
         """
         ...
 
@@ -56,6 +64,10 @@ def engine_of(plan: Plan, *, timeout_s: float, workers: int, cluster: str | None
     cluster
         Address of a Dask scheduler, such as ``tcp://host:8786``; None for this machine.
     """
+    if cluster is not None:
+        from uavftc.jobs.campaign.cluster import ClusterEngine  # noqa: PLC0415
+
+        return ClusterEngine(plan, cluster, timeout_s)
     from uavftc.jobs.campaign.local import LocalEngine  # noqa: PLC0415
 
     return LocalEngine(plan, workers, timeout_s)

@@ -5,10 +5,11 @@ A worker keeps the variants' scenarios; what it reads, trims and compiles for on
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from multiprocessing import parent_process
 from typing import Any, NamedTuple
 
@@ -38,6 +39,8 @@ class Job(NamedTuple):
     """Its place in the list of variants."""
     values: Mapping[str, Any]
     """Of the varied keys."""
+    history: bool = False
+    """Whether its row brings its history, whatever the plan says."""
 
 
 class Plan(NamedTuple):
@@ -50,8 +53,60 @@ class Plan(NamedTuple):
     """Which rows bring the bytes of a history: `none`, `failures` or `all`."""
 
 
-_plan: Plan | None = None
-_changing: list[Changing] = []
+class Evaluator:
+    """Flies the jobs of one plan in this process.
+
+    Parameters
+    ----------
+    plan
+        What they share.
+    limit_s
+        Wall-clock limit of a flight's loop, which is looked at every few rows; infinite where something else ends it.
+    """
+
+    def __init__(self, plan: Plan, limit_s: float = math.inf) -> None:
+        self._plan, self._limit_s = plan, limit_s
+        self._changing = [Changing(variant.scenario) for variant in plan.variants]
+
+    def __call__(self, job: Job) -> dict[str, Any]:
+        """Fly one case by one variant, and return its row."""
+        started = time.perf_counter()
+        row = row_of(self._plan.variants[job.variant], job)
+        try:
+            row |= self._flown(job)
+        except InputError as error:
+            row["reason"] = _short(error)
+        except (ArithmeticError, ValueError, RuntimeError, TypeError, AttributeError, LookupError) as error:
+            row["reason"] = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
+        return row | {"wall_s": time.perf_counter() - started}
+
+    def _flown(self, job: Job) -> dict[str, Any]:
+        flight = build_flight(self._changing[job.variant](job.values))
+        if lost := reached(flight.scenario, job.values):
+            return {"reason": f"{', '.join(lost)} did not reach the flight"}
+        records, result = judged(flight, self._stop())
+        if result.outcome.interrupted:
+            return {"reason": late(self._limit_s)}
+        found = _results(result, self._plan.success)
+        failed = self._plan.histories == "failures" and not found["success"]
+        if job.history or failed or self._plan.histories == "all":
+            whole = result._replace(history=published(records, flight.columns), origin=origin_of(flight))
+            found[HISTORY] = whole.history_bytes()
+        return found
+
+    def _stop(self) -> Callable[[], bool] | None:
+        if self._limit_s == math.inf:
+            return None
+        end = time.monotonic() + self._limit_s
+        return lambda: time.monotonic() > end
+
+
+def late(limit_s: float) -> str:
+    """Return the reason of a flight that took too long."""
+    return f"not done within {limit_s:g} s"
+
+
+_evaluator: Evaluator | None = None
 
 
 def prepare(plan: Plan) -> None:
@@ -59,9 +114,8 @@ def prepare(plan: Plan) -> None:
 
     It does next to nothing: a worker that dies here would take a flight with it that nobody waits for.
     """
-    global _plan  # noqa: PLW0603 - a worker flies for one campaign
-    _plan = plan
-    _changing[:] = [Changing(variant.scenario) for variant in plan.variants]
+    global _evaluator  # noqa: PLW0603 - a worker of a pool flies for one campaign
+    _evaluator = Evaluator(plan)
     parent = parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
@@ -73,27 +127,9 @@ def _end_with(parent: Any) -> None:
 
 
 def evaluate(job: Job) -> dict[str, Any]:
-    """Fly one case by one variant, and return its row."""
-    assert _plan is not None
-    started = time.perf_counter()
-    row = row_of(_plan.variants[job.variant], job)
-    try:
-        scenario = _changing[job.variant](job.values)
-        flight = build_flight(scenario)
-        if lost := reached(flight.scenario, job.values):
-            return row | {"reason": f"{', '.join(lost)} did not reach the flight", "wall_s": _since(started)}
-        records, result = judged(flight)
-    except InputError as error:
-        return row | {"reason": _short(error), "wall_s": _since(started)}
-    except (ArithmeticError, ValueError, RuntimeError, TypeError, AttributeError, LookupError) as error:
-        reason = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
-        return row | {"reason": reason, "wall_s": _since(started)}
-    row |= _results(result, _plan.success)
-    keep = _plan.histories == "all" or (_plan.histories == "failures" and not row["success"])
-    if keep:
-        whole = result._replace(history=published(records, flight.columns), origin=origin_of(flight))
-        row[HISTORY] = whole.history_bytes()
-    return row | {"wall_s": _since(started), "wall_loop_s": result.outcome.wall_s}
+    """Fly a job of the plan that this worker has, and return its row."""
+    assert _evaluator is not None
+    return _evaluator(job)
 
 
 def row_of(variant: Variant, job: Job) -> dict[str, Any]:
@@ -121,6 +157,7 @@ def _results(result: FlightResult, success: Mapping[str, float] | None) -> dict[
         **axes,
         "ended_at_s": outcome.ended_at_s,
         "reason": outcome.ended_because,
+        "wall_loop_s": outcome.wall_s,
     }
 
 
@@ -139,7 +176,3 @@ def history_name(variants: Sequence[Variant], case: int, place: int) -> str:
 
 def _short(error: InputError) -> str:
     return f"{error.where}: found {error.found}, expected {error.expected}"[:500]
-
-
-def _since(started: float) -> float:
-    return time.perf_counter() - started

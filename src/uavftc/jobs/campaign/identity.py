@@ -31,12 +31,22 @@ def identity(campaign: Campaign, variants: Sequence[Variant]) -> dict[str, Any]:
     return {
         "campaign": said,
         "campaign_sha256": hashlib.sha256(json.dumps(said).encode()).hexdigest(),
-        "variants": {" ".join(variant[:3]): _of(variant) for variant in variants},
-        "versions": {
-            "python": platform.python_version(),
-            **{name: metadata.version(name) for name in _PACKAGES},
-            "code_sha256": code_sha256(),
-        },
+        "variants": of_variants(variants),
+        "versions": versions(),
+    }
+
+
+def of_variants(variants: Sequence[Variant]) -> dict[str, Any]:
+    """Return the checksums of the scenario, aircraft and custom controller of each variant."""
+    return {" ".join(variant[:3]): _of(variant) for variant in variants}
+
+
+def versions() -> dict[str, Any]:
+    """Return the versions of what flies in this process, and the checksum of our code."""
+    return {
+        "python": platform.python_version(),
+        **{name: metadata.version(name) for name in _PACKAGES},
+        "code_sha256": code_sha256(),
     }
 
 

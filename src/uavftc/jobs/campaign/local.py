@@ -14,11 +14,12 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from concurrent.futures import TimeoutError as FutureTimeoutError
+from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
 from pebble import ProcessExpired, ProcessPool
 
-from uavftc.jobs.campaign.evaluate import Job, Plan, evaluate, prepare, row_of
+from uavftc.jobs.campaign.evaluate import Job, Plan, evaluate, late, prepare, row_of
 from uavftc.jobs.campaign.pool import ctrl_c_is_for_this_process
 from uavftc.results.hold import Hold
 
@@ -44,6 +45,7 @@ class LocalEngine:
     def __init__(self, plan: Plan, workers: int, timeout_s: float) -> None:
         self._plan, self._workers, self._timeout_s = plan, workers, timeout_s
         self._pool: ProcessPool | None = None
+        self._broken = False
         self._flying: dict[Future[dict[str, Any]], tuple[Job, int]] = {}
 
     def __enter__(self) -> LocalEngine:
@@ -54,7 +56,16 @@ class LocalEngine:
 
     def fly(self, jobs: Iterator[Job]) -> Iterator[dict[str, Any] | None]:
         """Yield the row of each flight as it ends, in no order, and None now and then while there is none."""
-        more, silent = True, 0
+        try:
+            yield from self._fly(jobs)
+        finally:
+            for future in self._flying:  # left before all had ended: what runs may end, and nobody looks at it
+                if not future.running():
+                    future.cancel()
+            self._flying.clear()
+
+    def _fly(self, jobs: Iterator[Job]) -> Iterator[dict[str, Any] | None]:
+        more, lost = True, 0
         heard = time.monotonic()
         while True:
             while more and len(self._flying) < AHEAD * self._workers:
@@ -66,28 +77,31 @@ class LocalEngine:
             if not self._flying:
                 return
             done, _ = wait(self._flying, timeout=0.5, return_when=FIRST_COMPLETED)
-            if done:
-                heard = time.monotonic()
-                silent = 0
-            elif time.monotonic() - heard > self._timeout_s + GRACE_S:
-                silent += 1
-                if silent == POOLS:
-                    raise RuntimeError("the worker processes end before they fly anything")
-                self._again()  # pebble can lose a flight given to a worker that died at that moment
-                heard = time.monotonic()
-            else:
+            if not done:
                 yield None
             for future in done:
                 row = self._taken(future)
                 if row is not None:
+                    lost, heard = 0, time.monotonic()
                     yield row
+            # pebble can lose a flight given to a worker that died at that moment, or break when an idle one dies
+            if self._broken or time.monotonic() - heard > self._timeout_s + GRACE_S:
+                lost += 1
+                if lost == POOLS:
+                    raise RuntimeError("the worker processes end before they fly anything")
+                self._again()
+                heard = time.monotonic()
 
     def _give(self, job: Job, attempt: int) -> None:
+        future: Future[dict[str, Any]] = Future()
         with Hold(signal.SIGINT), ctrl_c_is_for_this_process():  # the workers start within, later ones from its threads
             if self._pool is None:
                 context = multiprocessing.get_context("spawn")
                 self._pool = ProcessPool(self._workers, initializer=prepare, initargs=(self._plan,), context=context)
-            future = self._pool.schedule(evaluate, args=(job,), timeout=self._timeout_s)
+            try:
+                future = self._pool.schedule(evaluate, args=(job,), timeout=self._timeout_s)
+            except RuntimeError:
+                self._broken = True  # the flight waits for the next pool
         self._flying[future] = job, attempt
 
     def _taken(self, future: Future[dict[str, Any]]) -> dict[str, Any] | None:
@@ -95,8 +109,12 @@ class LocalEngine:
         job, attempt = self._flying.pop(future)
         try:
             return future.result()
+        except BrokenProcessPool:
+            self._broken = True
+            self._flying[Future()] = job, attempt
+            return None
         except (FutureTimeoutError, TimeoutError):
-            reason = f"not done within {self._timeout_s:g} s"
+            reason = late(self._timeout_s)
         except ProcessExpired as error:
             if attempt < TRIES:
                 self._give(job, attempt + 1)
@@ -113,6 +131,7 @@ class LocalEngine:
         """Give everything that is outstanding to a new pool."""
         outstanding = list(self._flying.values())
         self._end()
+        self._broken = False
         for job, attempt in outstanding:
             self._give(job, attempt)
 

@@ -46,15 +46,17 @@ def fly_one(scenario: Scenario, keep_history: bool = True) -> FlightResult:
     return result._replace(history=history, origin=origin, remarks=(*notes_of(flight), *trusted.remarks()))
 
 
-def judged(flight: Flight) -> tuple[np.ndarray, FlightResult]:
+def judged(flight: Flight, stop: Callable[[], bool] | None = None) -> tuple[np.ndarray, FlightResult]:
     """Fly a flight and return its rows and what came of it, without history, origin and remarks.
+
+    It ends where `stop` returns true, as an interrupted one.
 
     Raises
     ------
     KeyboardInterrupt
         On Ctrl-C.
     """
-    records, outcome = fly_to_memory(flight)
+    records, outcome = fly_to_memory(flight, stop)
     axes = metrics_of(records, completed=outcome.completed, controlled=flight.given.axes)
     monitor = flight.monitor()
     monitor.take(records)

@@ -27,7 +27,7 @@ from uavftc.jobs.campaign.identity import identity
 from uavftc.jobs.campaign.kept import Kept
 from uavftc.jobs.campaign.narrow import Narrow, refuse_counted, remove_later
 from uavftc.jobs.campaign.scenarios import write_scenarios
-from uavftc.jobs.campaign.table import HISTORIES, PARTS, Table, schema_of, whole
+from uavftc.jobs.campaign.table import HISTORIES, PARTS, Table, clear_parts, schema_of, whole
 from uavftc.jobs.campaign.variants import Variant, refuse, variants_of
 from uavftc.results import manifest
 from uavftc.results.hold import Hold
@@ -81,6 +81,13 @@ class Sweep:
         Files that the campaign came from; a folder that holds one of them is not replaced.
     until_width
         Width of the interval of success, of each variant, with which the campaign ends; None for all cases.
+
+    Attributes
+    ----------
+    done, kept
+        Flights that ended, and those of them that are on disk, once `fly` was left.
+    torn
+        Parts that were thrown away, and flown again.
     """
 
     def __init__(
@@ -94,7 +101,7 @@ class Sweep:
     ) -> None:
         self.made, self._kept = made, Kept(out, resume=resume, inputs=inputs)
         self.folder = self._kept.path
-        self.done, self.torn = 0, 0
+        self.done, self.kept, self.torn = 0, 0, 0
         self._tally: Counter[tuple[str, str]] = Counter()
         self._succeeded: Counter[str] = Counter()
         histories = made.campaign.histories
@@ -134,35 +141,33 @@ class Sweep:
         self._kept.look(document)
         with self._kept as kept:
             if (summary := kept.finished(document)) is not None:
+                clear_parts(self.folder)
                 return summary
-            kept.begin(document)
-            (self.folder / PARTS).mkdir(exist_ok=True)
-            write_scenarios(self.folder, self.made.variants)
-
-            def engine(plan: Plan) -> Engine:
-                limit = self.made.campaign.timeout_s
-                return engine_of(plan, timeout_s=limit, workers=workers or usable_cores(), cluster=cluster)
-
-            return self._fly(document, engine, progress or _silent)
+            campaign, variants, _ = self.made
+            plan = Plan(variants, campaign.success, "none" if self._keep else str(campaign.histories))
+            many = workers or usable_cores()
+            with engine_of(plan, timeout_s=campaign.timeout_s, workers=many, cluster=cluster) as engine:
+                kept.begin(document)
+                (self.folder / PARTS).mkdir(exist_ok=True)
+                write_scenarios(self.folder, variants)
+                table = self._fly(engine, progress or _silent)
+            table.merge(self._after or self.made.cases.count)
+            return self._end(table, document)
 
     @property
     def begun(self) -> bool:
         """Whether something was written into the folder."""
         return self._kept.begun
 
-    def _fly(
-        self, document: dict[str, Any], engine_for: Callable[[Plan], Engine], progress: Progress
-    ) -> dict[str, Any]:
+    def _fly(self, engine: Engine, progress: Progress) -> Table:
         campaign, variants, cases = self.made
         table = Table(self.folder, schema_of(campaign), variants)
         flown = np.zeros((cases.count, len(variants)), dtype=bool)
         self.torn = table.read_parts(flown)
-        self.done = int(flown.sum())
+        self.done = self.kept = int(flown.sum())
         for controller, outcome, success, margin, case, place in table.outcomes():
             self._count(controller, outcome, success, margin, case, place)
         progress(self.done, self.made.flights, self.failures)
-        keep = "none" if self._keep else str(campaign.histories)
-        plan = Plan(variants, campaign.success, keep)
         jobs = (
             Job(case, place, cases.values(case))
             for case in range(cases.count)
@@ -172,17 +177,20 @@ class Sweep:
         )
         try:
             if self._after is None:
-                with engine_for(plan) as engine:
-                    self._take(engine.fly(jobs), table, progress)
+                self._take(engine.fly(jobs), table, progress)
         except BaseException:
-            with Hold():
-                table.flush()
+            try:
+                with Hold():
+                    table.flush()
+            finally:
+                self.kept = self.done - table.waiting
             raise
         if self._after is not None:
             self._leave_out_later(table, self._after)
-        self._fly_worst(plan, engine_for)
-        table.merge(self._after or cases.count)
-        return self._end(table, document)
+        elif self.done != self.made.flights:
+            raise RuntimeError(f"{self.made.flights - self.done} flights came back from no worker")
+        self._fly_worst(engine)
+        return table
 
     @property
     def _after(self) -> int | None:
@@ -220,6 +228,7 @@ class Sweep:
                 written = time.monotonic()
         with Hold():
             table.flush()
+        self.kept = self.done
 
     def _keep_history(self, row: Row) -> None:
         content = row.pop(HISTORY, None)
@@ -244,14 +253,13 @@ class Sweep:
         """Flights so far that are no success."""
         return self.done - sum(self._succeeded.values())
 
-    def _fly_worst(self, plan: Plan, engine_for: Callable[[Plan], Engine]) -> None:
+    def _fly_worst(self, engine: Engine) -> None:
         """Fly those with the smallest margins once more, for their histories."""
-        if self._worst:
-            jobs = (Job(-c, -p, self.made.cases.values(-c)) for _, c, p in sorted(self._worst, reverse=True))
-            with engine_for(plan._replace(histories="all")) as engine:
-                for row in engine.fly(jobs):
-                    if row is not None:
-                        self._keep_history(row)
+        worst = sorted(self._worst, reverse=True)
+        jobs = (Job(-c, -p, self.made.cases.values(-c), history=True) for _, c, p in worst)
+        for row in engine.fly(jobs):
+            if row is not None:
+                self._keep_history(row)
 
     def _end(self, table: Table, document: dict[str, Any]) -> dict[str, Any]:
         """Write the summary, which makes the campaign complete, and remove the parts."""
@@ -276,7 +284,7 @@ class Sweep:
         }
         files = {name: sha for name, sha in listed.items() if not name.startswith(f"{PARTS}/")}
         summary = self._kept.complete(summary, files)
-        table.remove_parts()
+        clear_parts(self.folder)
         return summary
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -164,14 +164,6 @@ class Table:
         """Write the whole, sorted by case, controller, plant and aircraft."""
         write(self._folder / TABLE, self._sorted(cases), self._schema)
 
-    def remove_parts(self) -> None:
-        """Remove the parts, once the whole is there."""
-        for part in self._parts:
-            part.path.unlink(missing_ok=True)
-        self._parts.clear()
-        if (self._folder / PARTS).is_dir() and not any((self._folder / PARTS).iterdir()):
-            (self._folder / PARTS).rmdir()
-
     def _sorted(self, cases: int) -> Iterator[pa.Table]:
         for first in range(0, cases, MERGED_CASES):
             last = min(first + MERGED_CASES, cases) - 1
@@ -193,6 +185,21 @@ class Table:
             for name in VARIANT
         ]
         return table["case"].to_numpy(), np.array([self._place[key] for key in zip(*names, strict=True)], dtype=int)
+
+
+def content(folder: Path) -> pa.Table:
+    """Return the table of a campaign without its wall-clock times: what two runs of it have in common."""
+    table = pq.read_table(folder / TABLE)
+    return table.select([name for name in table.column_names if not name.startswith("wall_")])
+
+
+def clear_parts(folder: Path) -> None:
+    """Remove the parts in a campaign's folder, once the whole is there."""
+    for pattern in ("part-*.parquet", ".part-*"):
+        for path in (folder / PARTS).glob(pattern):
+            path.unlink()
+    with suppress(OSError):  # not there, or something else in it
+        (folder / PARTS).rmdir()
 
 
 def _read(path: Path, schema: pa.Schema) -> pa.Table:

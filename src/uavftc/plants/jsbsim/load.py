@@ -77,6 +77,17 @@ def _quiet_log() -> _Log:
     return _log
 
 
+def prepare_process() -> None:
+    """Do what the first load of a process does once, on the main thread, for flights that are on others.
+
+    Raises
+    ------
+    RuntimeError
+        If this is another thread, and nothing was loaded before.
+    """
+    _quiet_log()
+
+
 def load(aircraft: Aircraft, dt: float, additions: Sequence[Change] = ()) -> jsbsim.FGFDMExec:
     """Return a fresh FDM with the copy of the aircraft loaded at frame time dt, s; nothing is initialised yet.
 
