@@ -21,8 +21,9 @@ from uavftc.cli.report import report
 from uavftc.cli.reproduce import reproduce
 from uavftc.cli.survivable import survivable
 from uavftc.cli.sweep import sweep
+from uavftc.cli.sweep_report import sweep_report
 
-COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, falsify, survivable, report, bench)
+COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, sweep_report, falsify, survivable, report, bench)
 """The commands of `uavftc`, in the order in which its help lists them."""
 
 _SETTINGS: dict[str, Any] = {

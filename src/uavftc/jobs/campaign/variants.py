@@ -58,14 +58,17 @@ def variants_of(campaign: Campaign) -> list[Variant]:
     return sorted(found, key=lambda one: one[:3])
 
 
-def names_of(variants: Sequence[Variant]) -> list[str]:
-    """Return a name for the files of each: the controller, then plant and aircraft where there are several."""
+def names_of(variants: Sequence[Sequence[Any]]) -> list[str]:
+    """Return a name for the files of each: the controller, then plant and aircraft where there are several.
+
+    Each begins with controller, plant and aircraft, as a `Variant` does.
+    """
     found: list[str] = []
     for variant in variants:
-        name = variant.controller
-        for part in ("plant", "aircraft"):
-            if len({getattr(one, part) for one in variants}) > 1:
-                name += f"-{Path(getattr(variant, part)).name}".replace(":", "-")
+        name = str(variant[0])
+        for part in (1, 2):
+            if len({one[part] for one in variants}) > 1:
+                name += f"-{Path(variant[part]).name}".replace(":", "-")
         found.append(name if name not in found else f"{name}-{len(found)}")  # two folders of aircraft with one name
     return found
 
