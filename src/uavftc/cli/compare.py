@@ -10,8 +10,17 @@ from typing import Annotated, Optional
 
 import typer
 
-from uavftc.cli.options import AircraftName, Controllers, NoPlots, Overrides, Quiet, ScenarioName, default_folder
-from uavftc.cli.outcome import LOST, UNEXPECTED
+from uavftc.cli.options import (
+    AircraftName,
+    Controllers,
+    NoPlots,
+    Overrides,
+    Quiet,
+    Report,
+    ScenarioName,
+    default_folder,
+)
+from uavftc.cli.outcome import LOST, UNEXPECTED, missing_lines
 
 
 def compare(
@@ -34,6 +43,7 @@ def compare(
         typer.Option(metavar="DIR", help="Result folder; default results/compare-<scenario>."),
     ] = None,
     no_plots: NoPlots = False,
+    report: Report = False,
     quiet: Quiet = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json, and nothing else, on stdout.")] = False,
 ) -> None:
@@ -45,9 +55,13 @@ def compare(
     from uavftc.core.stage import is_compiled  # noqa: PLC0415
     from uavftc.jobs.compare import compare as fly_and_compare  # noqa: PLC0415
     from uavftc.jobs.compare import load_combinations  # noqa: PLC0415
+    from uavftc.jobs.report import page_of_comparison  # noqa: PLC0415
+    from uavftc.report.page.html import require_extra  # noqa: PLC0415
     from uavftc.report.progress import progress  # noqa: PLC0415
     from uavftc.scenario.load import find_scenario  # noqa: PLC0415
 
+    if report:
+        require_extra("--report")
     loaded = load_combinations(
         scenario,
         plants=plants,
@@ -66,6 +80,7 @@ def compare(
         figures=not no_plots,
         progress=functools.partial(progress, quiet=quiet),
         inputs=[find_scenario(scenario)],
+        page=page_of_comparison if report else None,
     )
     if as_json:
         print(json.dumps(document, indent=2, allow_nan=False))
@@ -74,9 +89,10 @@ def compare(
         from uavftc.report.side_by_side import print_comparison  # noqa: PLC0415
 
         print_comparison(Terminal(stderr=as_json), document, folder, aside=Terminal(stderr=True))
-    if "figures_missing" in document:
-        print(f"error: {folder} has no figures: {document['figures_missing']}", file=sys.stderr)
+    lacking = missing_lines(document, folder)
+    for line in lacking:
+        print(line, file=sys.stderr)
     if not document["completed"]:
         raise typer.Exit(LOST)
-    if "figures_missing" in document:
+    if lacking:
         raise typer.Exit(UNEXPECTED)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 import typer
 
 from uavftc.cli.options import AircraftName, NoPlots, Overrides, PlantName, Quiet, Report, ScenarioName, default_folder
-from uavftc.cli.outcome import BROKEN, INTERRUPTED, LOST, UNEXPECTED
+from uavftc.cli.outcome import BROKEN, INTERRUPTED, LOST, UNEXPECTED, missing_lines
 
 if TYPE_CHECKING:
     from uavftc.jobs.fly import Page
@@ -79,15 +79,14 @@ def fly(
         from uavftc.report.table import print_result  # noqa: PLC0415
 
         print_result(Terminal(), document, folder, aside=Terminal(stderr=True))
-    lacking = {"figures_missing": "figures", "report_missing": "report.html"}.items()
-    missing = [f"error: {folder} has no {what}: {document[key]}" for key, what in lacking if key in document]
-    for line in missing:
+    lacking = missing_lines(document, folder)
+    for line in lacking:
         print(line, file=sys.stderr)
     if outcome.interrupted:
         raise typer.Exit(INTERRUPTED)
     if not outcome.completed:
         raise typer.Exit(LOST)
-    if missing:
+    if lacking:
         raise typer.Exit(UNEXPECTED)
     if strict and document["verdict"]["outcome"] != "survived":
         raise typer.Exit(BROKEN)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import functools
 import os
 import sys
-from collections.abc import Callable
-from typing import ParamSpec
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, ParamSpec
 
 import typer
 
@@ -56,6 +57,12 @@ def exit_codes(command: Callable[P, None]) -> Callable[P, None]:
             raise typer.Exit(UNEXPECTED) from None
 
     return guarded
+
+
+def missing_lines(document: Mapping[str, Any], folder: Path) -> list[str]:
+    """Return a line for each of figures and page that a result folder has no room for, by its `summary.json`."""
+    lacking = {"figures_missing": "figures", "report_missing": "report.html"}.items()
+    return [f"error: {folder} has no {what}: {document[key]}" for key, what in lacking if key in document]
 
 
 def _say(text: str) -> None:

@@ -106,6 +106,7 @@ def compare(
     figures: bool = True,
     progress: Progress | None = None,
     inputs: Sequence[Path] = (),
+    page: Callable[[Mapping[Key, FlightResult], dict[str, Any]], str] | None = None,
 ) -> dict[str, Any]:
     """Fly all combinations and write the result folder of the comparison, whole or not at all.
 
@@ -123,10 +124,12 @@ def compare(
         Shown while flying.
     inputs
         Files that the scenario came from; a folder that holds one of them is not replaced.
+    page
+        What makes `report.html` of the flights and the document of `summary.json`; None: there is none.
 
     Returns
     -------
-    The document of `summary.json`; with `figures_missing`, the reason, where there was no room for figures.
+    The document of `summary.json`; with `figures_missing` or `report_missing`, the reason, where there was no room.
 
     Raises
     ------
@@ -156,6 +159,14 @@ def compare(
             missing = folder.figures(lambda path: draw(path, flown, title_of(document)))
             if missing is not None:
                 document["figures_missing"] = missing
+        if page is not None:
+
+            def write(into: Path) -> None:
+                into.write_text(page(flown, document), encoding="utf-8", newline="\n")
+
+            missing = folder.extra("report.html", write)
+            if missing is not None:
+                document["report_missing"] = missing
         return folder.write_summary(document)
 
 

@@ -14,6 +14,7 @@ from uavftc.errors import InputError
 from uavftc.flight.build import Flight, build_flight
 from uavftc.jobs.paper import printed
 from uavftc.plants.jsbsim.span import span
+from uavftc.report.page.comparison import Key, comparison_page
 from uavftc.report.page.flight import flight_page
 from uavftc.report.page.html import require_extra
 from uavftc.report.page.tables import Printed
@@ -94,28 +95,76 @@ def sketch_of(flight: Flight | None) -> Sketch:
 def printed_of(scenario: Scenario) -> Printed | None:
     """Return what the paper prints of a flight; None where it has none, or a key of the scenario was changed."""
     controller = controller_name(scenario)
-    found = {
-        (one.axis, one.metric): one.value
-        for one in printed.tables()
-        if (one.shipped, one.controller) == (scenario.name, controller)
-    }
+    found = _printed(scenario.name, controller)
     if not found:
         return None
     shipped = build_flight(load_scenario(scenario.name, plant=scenario.plant, controller=controller)).scenario
     return found if scenario_text(shipped) == scenario_text(scenario) else None
 
 
-def _of_flight(folder: Path, document: Mapping[str, Any], where: str) -> str:
-    for name in (HISTORY, SCENARIO):
-        if not (folder / name).is_file():
-            raise InputError(
-                where, found=f"no {name} in it", expected="a flight with its history", remedy="fly the scenario again"
-            )
-    history = read_history(folder / HISTORY)
-    scenario = load_scenario(folder / SCENARIO)
+def _printed(shipped: str, controller: str) -> Printed:
+    return {
+        (one.axis, one.metric): one.value
+        for one in printed.tables()
+        if (one.shipped, one.controller) == (shipped, controller)
+    }
+
+
+def _of_flight(folder: Path, document: dict[str, Any], where: str) -> str:
+    history = read_history(_there(folder, HISTORY, where))
+    scenario = load_scenario(_there(folder, SCENARIO, where))
     flight, remarks = rebuilt(scenario)
     result = result_of(document, flight.scenario if flight is not None else scenario, layout_of(flight))
     return _flight_page(flight, result, document, history, remarks=remarks)
+
+
+def page_of_comparison(flown: Mapping[Key, FlightResult], document: dict[str, Any]) -> str:
+    """Return the page of a comparison that was just flown; its flights have their histories."""
+    first = next(iter(flown.values()))
+    histories = {key: result.history for key, result in flown.items() if result.history is not None}
+    return _comparison_page(histories, first, document)
+
+
+def _comparison_page(
+    histories: Mapping[Key, Mapping[str, np.ndarray]],
+    first: FlightResult,
+    document: dict[str, Any],
+    remarks: tuple[str, ...] = (),
+) -> str:
+    printed_for = {}
+    if printed_of(first.scenario) is not None:
+        printed_for = {
+            name: found for name in document["controllers"] if (found := _printed(document["scenario"], name))
+        }
+    return comparison_page(
+        histories,
+        first.figure_context(),
+        document,
+        scenario_text(first.scenario),
+        printed=printed_for,
+        remarks=remarks,
+    )
+
+
+def _of_comparison(folder: Path, document: dict[str, Any], where: str) -> str:
+    histories = {}
+    for one in document["combinations"]:
+        key = one["plant"], one["controller"]
+        histories[key] = read_history(_there(folder, f"histories/{key[0]}-{key[1]}.parquet", where))
+    scenario = load_scenario(_there(folder, SCENARIO, where))
+    flight, remarks = rebuilt(scenario)
+    known = flight.scenario if flight is not None else scenario
+    first = result_of(document["combinations"][0], known, layout_of(flight))
+    return _comparison_page(histories, first, document, remarks)
+
+
+def _there(folder: Path, name: str, where: str) -> Path:
+    """Return a file of a result folder that a page cannot do without."""
+    if not (folder / name).is_file():
+        raise InputError(
+            where, found=f"no {name} in it", expected="results with their histories", remedy="fly it again"
+        )
+    return folder / name
 
 
 def rebuilt(scenario: Scenario) -> tuple[Flight | None, tuple[str, ...]]:
@@ -132,7 +181,7 @@ def layout_of(flight: Flight | None) -> Layout:
     return Layout() if flight is None else flight.layout
 
 
-Make = Callable[[Path, Mapping[str, Any], str], str]
+Make = Callable[[Path, dict[str, Any], str], str]
 
-_KINDS: dict[str, Make] = {"axes": _of_flight}
+_KINDS: dict[str, Make] = {"axes": _of_flight, "combinations": _of_comparison}
 """What makes the page of a folder, by a key of its summary that no other kind has."""

@@ -27,7 +27,7 @@ _SIZES = (
     ("body rates, rms [deg/s]", "rates_degps", "rms"),
     ("body rates, largest [deg/s]", "rates_degps", "largest"),
 )
-_PLACES = (*AXES, "all")
+PLACES = (*AXES, "all")
 
 
 def print_comparison(
@@ -121,12 +121,12 @@ def distance_tables(document: dict[str, Any]) -> list[Table]:
     for plants, entries in _pairs(document).items():
         table = _table()
         table.add_column(plants)
-        for place in _PLACES:
+        for place in PLACES:
             table.add_column(place, justify="right", min_width=10)
         for entry in entries:
             table.add_row(Text(_heading(entry, document), style="bold"))
             for label, *path in _SIZES:
-                table.add_row(Text(label), *(Text(_plain(_size(entry, place, *path))) for place in _PLACES))
+                table.add_row(Text(label), *(Text(_plain(_size(entry, place, *path))) for place in PLACES))
         tables.append(table)
     return tables
 
@@ -162,18 +162,24 @@ def markdown(document: dict[str, Any]) -> str:
                 for metric in metrics.METRICS
             ]
         lines += [*_markdown_table(header, rows), ""]
-    for plants, entries in _pairs(document).items():
-        lines += [f"## Distance, {plants}", ""]
-        rows = [
-            [f"{_heading(entry, document)}: {label}", *(_plain(_size(entry, place, *path)) for place in _PLACES)]
-            for entry in entries
-            for label, *path in _SIZES
-        ]
-        lines += [*_markdown_table(["", *_PLACES], rows), ""]
+    for plants, rows in distance_rows(document).items():
+        lines += [f"## Distance, {plants}", "", *_markdown_table(["", *PLACES], rows), ""]
     lost = [f"- {name_of(f)}: {f['ended_because']}" for f in document["combinations"] if not f["completed"]]
     if lost:
         lines += ["## Lost", "", *lost, ""]
     return "\n".join(lines)
+
+
+def distance_rows(document: dict[str, Any]) -> dict[str, list[list[str]]]:
+    """Return, by two plants, how far the flights are apart: name and size in each of `PLACES`, a line each."""
+    return {
+        plants: [
+            [f"{_heading(entry, document)}: {label}", *(_plain(_size(entry, place, *path)) for place in PLACES)]
+            for entry in entries
+            for label, *path in _SIZES
+        ]
+        for plants, entries in _pairs(document).items()
+    }
 
 
 def tidy_csv(document: dict[str, Any]) -> str:

@@ -30,8 +30,8 @@ def groups_of(history: History, context: FigureContext) -> list[Group]:
     found = [
         Group("attitude", "Attitude", list(flight.attitude())),
         Group("effectors", "Effectors", list(flight.effectors())),
-        Group("engines", "Engines", list(flight.engines())),
         Group("rates", "Body rates", list(flight.rates())),
+        Group("engines", "Engines", list(flight.engines())),
         Group("air", "Air and way", list(flight.air())),
         Group("estimates", "Estimates", list(flight.estimates())),
         Group("own", "The controller's own signals", list(flight.own())),
