@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +13,14 @@ import numpy as np
 from uavftc.core.layout import Layout
 from uavftc.errors import InputError
 from uavftc.flight.build import Flight, build_flight
+from uavftc.jobs.campaign.identity import FILE
+from uavftc.jobs.campaign.scenarios import FOLDER as SCENARIOS
+from uavftc.jobs.campaign.scenarios import command
+from uavftc.jobs.campaign.table import TABLE, VARIANT, read_table
+from uavftc.jobs.campaign.variants import names_of
 from uavftc.jobs.paper import printed
 from uavftc.plants.jsbsim.span import span
+from uavftc.report.page.campaign import campaign_page
 from uavftc.report.page.comparison import Key, comparison_page
 from uavftc.report.page.flight import flight_page
 from uavftc.report.page.html import require_extra
@@ -158,6 +165,25 @@ def _of_comparison(folder: Path, document: dict[str, Any], where: str) -> str:
     return _comparison_page(histories, first, document, remarks)
 
 
+def _of_campaign(folder: Path, document: dict[str, Any], where: str) -> str:
+    table = read_table(_there(folder, TABLE, where), where)
+    campaign = json.loads(_there(folder, FILE, where).read_text(encoding="utf-8"))
+    listed = [*document["files"], "summary.json"]
+    keys = [one["key"] for one in campaign["campaign"]["vary"]]
+    places = [name for name in VARIANT if name in table]
+    rows = list(dict.fromkeys(zip(*(table[name] for name in places), strict=True)))
+    variants = [(*row, *[""] * (len(VARIANT) - len(row))) for row in rows]
+    if len(places) == 2 and places[1] == VARIANT[2]:  # aircraft, and one plant
+        variants = [(row[0], "", row[1]) for row in rows]
+    named = dict(zip(rows, names_of(variants), strict=True))
+
+    def again(row: Mapping[str, Any]) -> str:
+        file = f"{SCENARIOS}/{named[tuple(row[name] for name in places)]}.yaml"
+        return command(Path(file), {key: row[key] for key in keys}) if file in listed else ""
+
+    return campaign_page(table, document, campaign, again=again, files=listed)
+
+
 def _there(folder: Path, name: str, where: str) -> Path:
     """Return a file of a result folder that a page cannot do without."""
     if not (folder / name).is_file():
@@ -183,5 +209,5 @@ def layout_of(flight: Flight | None) -> Layout:
 
 Make = Callable[[Path, dict[str, Any], str], str]
 
-_KINDS: dict[str, Make] = {"axes": _of_flight, "combinations": _of_comparison}
+_KINDS: dict[str, Make] = {"axes": _of_flight, "combinations": _of_comparison, "campaign": _of_campaign}
 """What makes the page of a folder, by a key of its summary that no other kind has."""

@@ -19,6 +19,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from uavftc.config.values import is_number
+from uavftc.errors import InputError
 from uavftc.jobs.campaign.evaluate import METRIC_COLUMNS
 from uavftc.jobs.campaign.variants import Variant
 from uavftc.scenario.campaign import Campaign, Vary
@@ -207,6 +208,26 @@ def _read(path: Path, schema: pa.Schema) -> pa.Table:
     if not table.schema.equals(schema) or not len(table):
         raise ValueError("other columns")
     return table
+
+
+def read_table(path: Path, where: str) -> dict[str, list[Any]]:
+    """Return the columns of a table of flights, None where there is no value.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read; `where` names what was asked for.
+    """
+    try:
+        found: dict[str, list[Any]] = pq.read_table(path, page_checksum_verification=True).to_pydict()
+    except _TORN as error:
+        raise InputError(
+            where,
+            found=f"{path.name} cannot be read: {str(error).splitlines()[0]}",
+            expected="a table of flights as uavftc sweep writes it",
+            remedy="fly the campaign again",
+        ) from None
+    return found
 
 
 def write(path: Path, tables: Iterator[pa.Table] | Sequence[pa.Table], schema: pa.Schema) -> None:

@@ -80,7 +80,7 @@ def comparison_page(
         metrics=side_by_side(flights, printed or {}),
         has_paper=bool(printed),
         distances=[
-            Table(["", *PLACES], [[typeset(cell) for cell in row] for row in rows], f"Distance, {plants}")
+            Table(["", *PLACES], [[row[0], *map(typeset, row[1:])] for row in rows], f"Distance, {plants}")
             for plants, rows in distance_rows(document).items()
         ],
         warnings=[*document["warnings"], *remarks],

@@ -83,12 +83,8 @@
   // Room above the first panel: its title, and as many lines of the legend as its names take, about.
   function topOf(group, width) {
     const names = [...new Set(group.panels.flatMap((panel) => panel.curves.map((curve) => curve.name)))];
-    let lines = 1, used = 0;
-    for (const name of names) {
-      const needed = 54 + 6.6 * name.length;
-      if (used > 0 && used + needed > width - LEFT - RIGHT) { lines += 1; used = 0; }
-      used += needed;
-    }
+    const widest = 52 + 6.8 * Math.max(...names.map((name) => name.length));  // all entries are as wide as that
+    const lines = Math.ceil(names.length / Math.max(1, Math.floor((width - LEFT - RIGHT) / widest)));
     return GAP + 4 + 20 * lines;
   }
 
@@ -115,7 +111,7 @@
       made[axis("yaxis", i)] = {
         ...line, anchor: axis("x", i), domain: [1 - below, 1 - above], fixedrange: false, nticks: 5, showline: true,
         ...(panel.log
-          ? { type: "log", range: panel.range.map(Math.log10), exponentformat: "power", dtick: 1 }
+          ? { type: "log", range: panel.range.map(Math.log10), exponentformat: "power", dtick: 1, tickfont: { size: 10 } }
           : { range: [...panel.range] }),
       };
       const room = Math.floor((width - LEFT - RIGHT) / 6.3);

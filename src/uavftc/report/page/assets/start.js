@@ -24,7 +24,7 @@
   }
   (async function () {
     uavftc.theme.start();
-    uavftc.startTime();
+    if (uavftc.data.clock) uavftc.startTime();
     if (uavftc.startView) uavftc.startView();
     await uavftc.startPlots();
     if (uavftc.startPoints) await uavftc.startPoints();
