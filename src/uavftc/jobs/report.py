@@ -24,6 +24,7 @@ from uavftc.report.page.campaign import campaign_page
 from uavftc.report.page.comparison import Key, comparison_page
 from uavftc.report.page.flight import flight_page
 from uavftc.report.page.html import require_extra
+from uavftc.report.page.reproduction import reproduction_page
 from uavftc.report.page.tables import Printed
 from uavftc.report.page.view import SPAN_M, Sketch
 from uavftc.results.added import add_file, own_summary
@@ -184,6 +185,11 @@ def _of_campaign(folder: Path, document: dict[str, Any], where: str) -> str:
     return campaign_page(table, document, campaign, again=again, files=listed)
 
 
+def _of_reproduction(folder: Path, document: dict[str, Any], where: str) -> str:
+    rows = json.loads(_there(folder, "reproduce.json", where).read_text(encoding="utf-8"))
+    return reproduction_page(rows, document, files=[*document["files"], "summary.json"])
+
+
 def _there(folder: Path, name: str, where: str) -> Path:
     """Return a file of a result folder that a page cannot do without."""
     if not (folder / name).is_file():
@@ -209,5 +215,10 @@ def layout_of(flight: Flight | None) -> Layout:
 
 Make = Callable[[Path, dict[str, Any], str], str]
 
-_KINDS: dict[str, Make] = {"axes": _of_flight, "combinations": _of_comparison, "campaign": _of_campaign}
+_KINDS: dict[str, Make] = {
+    "axes": _of_flight,
+    "combinations": _of_comparison,
+    "campaign": _of_campaign,
+    "claims": _of_reproduction,
+}
 """What makes the page of a folder, by a key of its summary that no other kind has."""
