@@ -32,7 +32,8 @@ def reproduction_page(rows: Sequence[Row], document: Mapping[str, Any], *, files
     """
     numbers = sorted({row["table"] for row in rows})
     plants = document["plants"]
-    charts, looks = [], {}
+    charts: list[dict[str, Any]] = []
+    looks: dict[str, Any] = {}
     for number in numbers:
         chart, own = _ratios([row for row in rows if row["table"] == number], number, len(plants) > 1)
         charts.append(chart)
@@ -153,12 +154,16 @@ def _claims(claims: Sequence[Mapping[str, Any]]) -> Table:
     header = ["table", "plant", "axis", "metric", "lower than", "printed [%]", "ours [%]", "answer"]
     rows = [
         [
-            str(one["table"]), one["plant"], one["axis"], one["metric"].upper(), one["over"],
-            typeset(f"{one['printed']:.1f}"), "–" if one["ours"] is None else typeset(f"{one['ours']:.1f}"), one["answer"],
+            str(one["table"]), one["plant"], one["axis"], one["metric"].upper(), one["over"], _percent(one["printed"]),
+            _percent(one["ours"]), one["answer"],
         ]
         for one in claims
     ]  # fmt: skip
     return Table(header, rows, "By how much NNDONDI-L1 is lower than another controller")
+
+
+def _percent(value: float | None) -> str:
+    return "–" if value is None else typeset(f"{value:.1f}")
 
 
 def _verdicts(verdicts: Sequence[Mapping[str, Any]]) -> Table:

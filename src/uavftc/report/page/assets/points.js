@@ -9,6 +9,7 @@
     const line = { gridcolor: ink.grid, linecolor: ink.line, zerolinecolor: ink.grid, showline: true, automargin: true };
     const side = (one) => ({
       ...line, title: { text: uavftc.plain(one.title || ""), standoff: 8 }, type: one.type, range: one.range,
+      dtick: one.type === "log" ? "D2" : undefined,
       ...(one.texts ? { tickvals: one.texts.map((_, i) => i), ticktext: one.texts.map(uavftc.plain) } : {}),
     });
     return {
