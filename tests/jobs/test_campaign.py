@@ -131,6 +131,17 @@ def test_a_row_is_what_the_flight_alone_gives(file):
     assert (row["case"], row["controller"], row["reference.phi_deg"]) == (2, "ndi-l1", values["reference.phi_deg"])
 
 
+def test_a_key_inside_a_value_that_is_chosen_leaves_the_choice_as_the_file_has_it(file):
+    # the fault is chosen, and its onset drawn: an onset that stayed in the choice would be in the rows of other cases
+    vary = "{faults: {choice: [[{kind: stuck, surface: rudder}]]}, 'faults[0].start_s': {uniform: [1, 2]}}"
+    made = ready(load_campaign(file, [f"vary={vary}"]))
+    fault = {"kind": "stuck", "surface": "rudder"}
+    prepare(Plan(made.variants, None, "none"))
+    for case in range(2):
+        values = made.cases.values(case)
+        assert (values["faults"], evaluate(Job(case, 0, values))["faults"]) == ([fault], [fault])
+
+
 def test_what_did_not_reach_the_flight_is_seen():
     scenario = load_scenario("scenario3")
     asked = {"faults[0].effectiveness": 0.5, "faults[4].effectiveness": "0.2*t", "sensors.gyro_bias_degps": 0}

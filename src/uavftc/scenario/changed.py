@@ -46,7 +46,7 @@ class Changing:
         places = where if isinstance(where, Mapping) else dict.fromkeys(values, where)
         document = Document(_lists(self._data), next(iter(places.values()), "") or "a change of the scenario")
         for key, value in values.items():
-            put(document, key, value, places[key] or f"{key} = {value}"[:200])
+            put(document, key, _lists(value), places[key] or f"{key} = {value}"[:200])
         return scenario_of(document)
 
 
@@ -64,7 +64,7 @@ def remade(scenario: Scenario, edit: Callable[[Document], None], where: str) -> 
 
 
 def _lists(value: Any) -> Any:
-    """Return the data with lists in place of tuples, so that they can be changed."""
+    """Return the data anew, with lists in place of tuples, so that they can be changed, and what they are of cannot."""
     if isinstance(value, dict):
         return {key: _lists(item) for key, item in value.items()}
     return [_lists(item) for item in value] if isinstance(value, list | tuple) else value
