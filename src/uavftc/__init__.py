@@ -10,10 +10,18 @@ TYPE_CHECKING = False  # as typing has it; a command imports nothing before it h
 __version__ = "0.1.0"
 
 _PUBLIC = {
+    "fly": "uavftc.api.doors",
+    "compare": "uavftc.api.doors",
+    "design": "uavftc.api.doors",
+    "load": "uavftc.api.doors",
+    "Flight": "uavftc.api.flight",
+    "Comparison": "uavftc.api.comparison",
+    "Design": "uavftc.api.design",
+    "Scenario": "uavftc.scenario.schema",
     "load_scenario": "uavftc.scenario.load",
+    "make_scenario": "uavftc.scenario.load",
     "scenario_text": "uavftc.scenario.load",
     "build_flight": "uavftc.flight.build",
-    "fly": "uavftc.flight.fly",
     "fly_to_memory": "uavftc.flight.fly",
     "fly_mission": "uavftc.jobs.fly",
     "metrics_of": "uavftc.analysis.metrics",
@@ -25,14 +33,26 @@ __all__ = [*_PUBLIC, "__version__"]  # noqa: PLE0604
 
 if TYPE_CHECKING:
     from uavftc.analysis.metrics import metrics_of as metrics_of
+    from uavftc.api.comparison import Comparison as Comparison
+    from uavftc.api.design import Design as Design
+    from uavftc.api.doors import compare as compare
+    from uavftc.api.doors import design as design
+    from uavftc.api.doors import fly as fly
+    from uavftc.api.doors import load as load
+    from uavftc.api.flight import Flight as Flight
     from uavftc.errors import InputError as InputError
     from uavftc.flight.build import build_flight as build_flight
-    from uavftc.flight.fly import fly as fly
     from uavftc.flight.fly import fly_to_memory as fly_to_memory
     from uavftc.jobs.fly import fly_mission as fly_mission
     from uavftc.results.history import read_history as read_history
     from uavftc.scenario.load import load_scenario as load_scenario
+    from uavftc.scenario.load import make_scenario as make_scenario
     from uavftc.scenario.load import scenario_text as scenario_text
+    from uavftc.scenario.schema import Scenario as Scenario
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
 
 
 def __getattr__(name: str) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
@@ -16,6 +17,7 @@ from uavftc.jobs.campaign.pool import fly_one
 from uavftc.jobs.variants import variants_of
 from uavftc.report.distance import distance
 from uavftc.report.side_by_side import markdown, tidy_csv, title_of
+from uavftc.results.context import FigureContext
 from uavftc.results.flight import FlightResult
 from uavftc.results.folder import ResultFolder
 from uavftc.scenario.controllers import CONTROLLERS
@@ -43,19 +45,20 @@ Progress = Callable[[int], AbstractContextManager[Callable[[int], None]]]
 
 
 def load_combinations(
-    source: str | Path,
+    source: str | os.PathLike[str] | Mapping[str, Any] | Scenario,
     *,
     plants: str = ",".join(PLANTS),
     controllers: str | None = None,
-    aircraft: str | None = None,
+    aircraft: str | os.PathLike[str] | None = None,
     overrides: Sequence[str] = (),
     variants: Sequence[str] = (),
+    set: Mapping[str, Any] | None = None,
 ) -> Combinations:
     """Return the scenario for every combination of plant and controller, checked, in the order of the lists.
 
     Parameters
     ----------
-    source, aircraft, overrides
+    source, aircraft, overrides, set
         As `scenario.load.load_scenario` takes them.
     plants, controllers
         Names with commas between them, as `--controller` takes them; controllers None is that of the scenario.
@@ -70,7 +73,7 @@ def load_combinations(
     chosen = _names("--plants", plants, PLANTS)
     named = [None] if controllers is None else _controllers(controllers)
     loaded = Combinations()
-    given: dict[str, Any] = {"overrides": overrides, "aircraft": aircraft}
+    given: dict[str, Any] = {"overrides": overrides, "aircraft": aircraft, "set": set}
     for plant in chosen:
         for controller in named:
             scenario = load_scenario(source, plant=plant, controller=controller, **given)
@@ -138,36 +141,77 @@ def compare(
     KeyboardInterrupt
         On Ctrl-C; nothing is written then.
     """
-    flown: dict[Key, FlightResult] = {}
     with ResultFolder(out, inputs) as folder:  # from the start, so that two jobs do not fly for one folder
-        with nullcontext(None) if progress is None else progress(len(scenarios)) as advance:
-            for key, scenario in scenarios.items():
-                flown[key] = fly_one(scenario)
-                if advance is not None:
-                    advance(len(flown))
-        document = document_of(flown, scenarios.variants if isinstance(scenarios, Combinations) else {})
-        for name, text in (
-            ("comparison.md", markdown(document)),
-            ("comparison.csv", tidy_csv(document)),
-            ("scenario.yaml", scenario_text(next(iter(flown.values())).scenario)),
-        ):
-            (folder.path / name).write_text(text, encoding="utf-8", newline="\n")
-        (folder.path / "histories").mkdir()
-        for (plant, controller), result in flown.items():
-            result.write_history(folder.path / "histories" / f"{plant}-{controller}.parquet")
-        if figures:
-            missing = folder.figures(lambda path: draw(path, flown, title_of(document)))
-            if missing is not None:
-                document["figures_missing"] = missing
-        if page is not None:
+        flown = fly_combinations(scenarios, progress)
+        variants = scenarios.variants if isinstance(scenarios, Combinations) else {}
+        return _write(folder, flown, variants, figures=figures, page=page)
 
-            def write(into: Path) -> None:
-                into.write_text(page(flown, document), encoding="utf-8", newline="\n")
 
-            missing = folder.extra("report.html", write)
-            if missing is not None:
-                document["report_missing"] = missing
-        return folder.write_summary(document)
+def fly_combinations(scenarios: Mapping[Key, Scenario], progress: Progress | None = None) -> dict[Key, FlightResult]:
+    """Fly all combinations, in their order; arguments and errors as those of `compare`."""
+    flown: dict[Key, FlightResult] = {}
+    with nullcontext(None) if progress is None else progress(len(scenarios)) as advance:
+        for key, scenario in scenarios.items():
+            flown[key] = fly_one(scenario)
+            if advance is not None:
+                advance(len(flown))
+    return flown
+
+
+def write_comparison(
+    flown: Mapping[Key, FlightResult], variants: Mapping[str, Mapping[str, Any]], out: Path, *, figures: bool = True
+) -> dict[str, Any]:
+    """Write the result folder of flights that are over, whole or not at all; return the document of `summary.json`.
+
+    Parameters
+    ----------
+    flown
+        With their histories.
+    variants
+        `Combinations.variants`.
+    out, figures
+        As those of `compare`.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written; nothing is written then.
+    """
+    with ResultFolder(out) as folder:
+        return _write(folder, flown, variants, figures=figures)
+
+
+def _write(
+    folder: ResultFolder,
+    flown: Mapping[Key, FlightResult],
+    variants: Mapping[str, Mapping[str, Any]],
+    *,
+    figures: bool,
+    page: Callable[[Mapping[Key, FlightResult], dict[str, Any]], str] | None = None,
+) -> dict[str, Any]:
+    document = document_of(flown, variants)
+    for name, text in (
+        ("comparison.md", markdown(document)),
+        ("comparison.csv", tidy_csv(document)),
+        ("scenario.yaml", scenario_text(next(iter(flown.values())).scenario)),
+    ):
+        (folder.path / name).write_text(text, encoding="utf-8", newline="\n")
+    (folder.path / "histories").mkdir()
+    for (plant, controller), result in flown.items():
+        result.write_history(folder.path / "histories" / f"{plant}-{controller}.parquet")
+    if figures:
+        missing = folder.extra("figures", lambda path: draw(path, flown, title_of(document)))
+        if missing is not None:
+            document["figures_missing"] = missing
+    if page is not None:
+
+        def write(into: Path) -> None:
+            into.write_text(page(flown, document), encoding="utf-8", newline="\n")
+
+        missing = folder.extra("report.html", write)
+        if missing is not None:
+            document["report_missing"] = missing
+    return folder.write_summary(document)
 
 
 def document_of(
@@ -216,8 +260,13 @@ def draw(folder: Path, flown: Mapping[Key, FlightResult], title: str) -> None:
     load_matplotlib()
     from uavftc.report.overlays import write_overlays  # noqa: PLC0415
 
+    write_overlays(folder, *drawn(flown, title))
+
+
+def drawn(flown: Mapping[Key, FlightResult], title: str) -> tuple[dict[Key, Mapping[str, Any]], FigureContext]:
+    """Return what the figures of all flights are drawn from: their histories, and the context."""
     context = replace(next(iter(flown.values())).figure_context(), title=title)
-    write_overlays(folder, {key: result.history for key, result in flown.items() if result.history}, context)
+    return {key: result.history for key, result in flown.items() if result.history}, context
 
 
 def _controllers(text: str) -> list[str | None]:

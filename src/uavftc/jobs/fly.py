@@ -117,6 +117,31 @@ def fly_mission(
     return document, outcome
 
 
+def write_flight(result: FlightResult, out: Path, *, figures: bool = True) -> dict[str, Any]:
+    """Write the result folder of a flight that is over, whose history was kept, and return its `summary.json`.
+
+    Parameters
+    ----------
+    result
+        The flight.
+    out, figures
+        As those of `fly_mission`.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written; nothing is written then.
+    """
+    with Hold(signal.SIGINT) as hold, ResultFolder(out) as folder:
+        history = folder.path / "history.parquet"
+        result.write_history(history)
+        (folder.path / "scenario.yaml").write_text(scenario_text(result.scenario), encoding="utf-8", newline="\n")
+        document = result.summary()
+        if figures:
+            _extra(folder, "figures", lambda into: draw(into, history, result), document, hold)
+        return folder.write_summary(document)
+
+
 _EXTRAS = {"figures": ("figures", "figures", "drawing"), "report": ("report.html", "page", "writing the page")}
 """What a flight can do without: its name in the folder, what it is called, and what is going on while it is made."""
 

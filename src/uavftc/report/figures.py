@@ -6,8 +6,9 @@ module imports matplotlib (0.7 s), so import it where figures are drawn.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -43,23 +44,42 @@ def write_figures(folder: Path, history: History, context: FigureContext) -> lis
     context
         Title, limits, windows and what else is shown next to the history.
     """
-    draw: dict[str, Callable[[History, FigureContext], Figure]] = {
+    folder.mkdir(exist_ok=True)
+    return [drawing.write(folder / f"{name}.png") for name, drawing in drawings(history, context).items()]
+
+
+class Drawing(NamedTuple):
+    """One figure of a flight, not drawn yet."""
+
+    function: Callable[[History, FigureContext], Figure]
+    history: History
+    context: FigureContext
+    style: Mapping[str, Any]
+    """Of `panels.style`: where it differs from the other figures."""
+
+    def draw(self) -> Figure:
+        """Return the figure."""
+        with panels.style(self.style):
+            return self.function(self.history, self.context)
+
+    def write(self, file: Path) -> Path:
+        """Draw it to a file, and return that."""
+        with panels.style(self.style):
+            self.function(self.history, self.context).savefig(file)
+        return file
+
+
+def drawings(history: History, context: FigureContext) -> dict[str, Drawing]:
+    """Return each figure that a flight has, by its name; arguments as those of `write_figures`."""
+    functions: dict[str, Callable[[History, FigureContext], Figure]] = {
         "tracking": tracking, "control": control, "estimates": estimates
     }  # fmt: skip
     if np.isfinite(history.get("airspeed_mps", np.empty(0))).any():
-        draw["air"] = air
+        functions["air"] = air
     if context.signals:
-        draw["custom"] = custom
-    folder.mkdir(exist_ok=True)
-    paths = []
-    with panels.style():
-        for name, figure in draw.items():
-            paths.append(folder / f"{name}.png")
-            figure(history, context).savefig(paths[-1])
-    paths.append(folder / "overview.png")
-    with panels.style(STYLE):
-        overview(history, context).savefig(paths[-1])
-    return paths
+        functions["custom"] = custom
+    found = {name: Drawing(function, history, context, {}) for name, function in functions.items()}
+    return found | {"overview": Drawing(overview, history, context, STYLE)}
 
 
 def tracking(history: History, context: FigureContext) -> Figure:

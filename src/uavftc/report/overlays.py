@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -41,21 +42,26 @@ def write_overlays(folder: Path, histories: Mapping[Key, History], context: Figu
     context
         Title, limits and windows; a limiting moment and a twin, which are those of one flight, are not drawn.
     """
+    folder.mkdir(exist_ok=True)
+    paths = []
+    for name, draw in drawings(histories, context).items():
+        paths.append(folder / f"{name}.png")
+        with panels.style():
+            draw().savefig(paths[-1])
+    return paths
+
+
+def drawings(histories: Mapping[Key, History], context: FigureContext) -> dict[str, Callable[[], Figure]]:
+    """Return what draws each figure, by its name, within `panels.style()`; arguments as those of `write_overlays`."""
     plants = list(dict.fromkeys(plant for plant, _ in histories))
     title = context.title if len(plants) > 1 else f"{context.title}, {plants[0]}"
     context = replace(context, title=title, limiting=None, twin=None)
-    draw: dict[str, Callable[[Mapping[Key, History], FigureContext], Figure]] = {
+    found: dict[str, Callable[[Mapping[Key, History], FigureContext], Figure]] = {
         "tracking": tracking, "commands": commands
     }  # fmt: skip
     if any(_pairs(histories)):
-        draw["difference"] = difference
-    folder.mkdir(exist_ok=True)
-    paths = []
-    with panels.style():
-        for name, figure in draw.items():
-            paths.append(folder / f"{name}.png")
-            figure(histories, context).savefig(paths[-1])
-    return paths
+        found["difference"] = difference
+    return {name: partial(draw, histories, context) for name, draw in found.items()}
 
 
 def tracking(histories: Mapping[Key, History], context: FigureContext) -> Figure:

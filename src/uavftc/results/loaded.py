@@ -8,13 +8,14 @@ from typing import Any
 
 from uavftc.analysis.requirements import Met
 from uavftc.analysis.verdict import FLOWN
+from uavftc.config.document import Document, parse
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import Outcome
 from uavftc.results.flight import FlightResult
-from uavftc.results.history import read_history
+from uavftc.results.history import read_history, read_metadata
 from uavftc.results.manifest import SUMMARY, read_summary
-from uavftc.scenario.load import load_scenario, warnings
+from uavftc.scenario.load import load_scenario, scenario_of, warnings
 from uavftc.scenario.schema import Scenario
 
 HISTORY, SCENARIO = "history.parquet", "scenario.yaml"
@@ -88,8 +89,24 @@ def read_result(folder: Path, *, keep_history: bool = True) -> FlightResult:
             expected="the result folder of one flight",
             remedy="name a folder that uavftc-fly wrote",
         )
-    history = read_history(folder / HISTORY)
-    flight = build_flight(read_scenario(folder))
+    result = result_of_history(folder / HISTORY, document, read_scenario(folder))
+    return result if keep_history else result._replace(history=None)
+
+
+def result_of_history(file: Path, document: Mapping[str, Any], scenario: Scenario | None = None) -> FlightResult:
+    """Return what was kept of a flight, from its history, its part of a summary, and its scenario as flown.
+
+    A scenario that is not given is the one in the metadata of the history.
+
+    Raises
+    ------
+    InputError
+        As `read_result`.
+    """
+    history = read_history(file)
+    if scenario is None:
+        scenario = scenario_of(Document(*_parsed(file)))
+    flight = build_flight(scenario)
     timing, known = document["timing"], len(warnings(flight.scenario))
     outcome = Outcome(
         completed=document["completed"],
@@ -104,12 +121,18 @@ def read_result(folder: Path, *, keep_history: bool = True) -> FlightResult:
         flight.scenario,
         outcome,
         document["axes"],
-        history if keep_history else None,
+        history,
         document["provenance"],
         tuple(document["warnings"][known:]),
         flight.layout,
         met_of(document),
     )
+
+
+def _parsed(file: Path) -> tuple[dict[str, Any], str, dict[Any, str]]:
+    text = read_metadata(file)["scenario"]
+    data, places = parse(text, f"{file}, scenario in its metadata")
+    return data, str(file), places
 
 
 def met_of(document: Mapping[str, Any]) -> tuple[Met, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from uavftc.config.document import Document
-from uavftc.scenario.load import scenario_of
+from uavftc.scenario.load import plain_data, scenario_of
 from uavftc.scenario.overrides import put
 from uavftc.scenario.schema import Scenario
 
@@ -44,9 +44,9 @@ class Changing:
         `where` may give each key its place.
         """
         places = where if isinstance(where, Mapping) else dict.fromkeys(values, where)
-        document = Document(_lists(self._data), next(iter(places.values()), "") or "a change of the scenario")
+        document = Document(plain_data(self._data), next(iter(places.values()), "") or "a change of the scenario")
         for key, value in values.items():
-            put(document, key, _lists(value), places[key] or f"{key} = {value}"[:200])
+            put(document, key, plain_data(value), places[key] or f"{key} = {value}"[:200])
         return scenario_of(document)
 
 
@@ -58,13 +58,6 @@ def remade(scenario: Scenario, edit: Callable[[Document], None], where: str) -> 
     InputError
         If it is wrong then; `where` says by what.
     """
-    document = Document(_lists(scenario.model_dump()), where)
+    document = Document(plain_data(scenario.model_dump()), where)
     edit(document)
     return scenario_of(document)
-
-
-def _lists(value: Any) -> Any:
-    """Return the data anew, with lists in place of tuples, so that they can be changed, and what they are of cannot."""
-    if isinstance(value, dict):
-        return {key: _lists(item) for key, item in value.items()}
-    return [_lists(item) for item in value] if isinstance(value, list | tuple) else value

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 from pydantic import ValidationError
 
 from uavftc.config import shipped as resources
 from uavftc.config.document import Document, Origin, parse
 from uavftc.config.explain import describe, explain
+from uavftc.control.custom import in_memory
 from uavftc.errors import InputError, join
 from uavftc.scenario.checks import warnings
 from uavftc.scenario.controllers import CustomController, spelling
-from uavftc.scenario.overrides import apply, custom_name, resolve_controller, set_controller
+from uavftc.scenario.overrides import apply, custom_name, put, resolve_controller, set_controller
 from uavftc.scenario.schema import Scenario
 from uavftc.scenario.text import scenario_text
 
@@ -25,20 +28,21 @@ MAX_BYTES = 1_000_000
 
 
 def load_scenario(
-    source: str | Path,
+    source: str | os.PathLike[str] | Mapping[str, Any] | Scenario,
     *,
     overrides: Sequence[str] = (),
     plant: str | None = None,
-    aircraft: str | None = None,
-    controller: str | None = None,
+    aircraft: str | os.PathLike[str] | None = None,
+    controller: str | os.PathLike[str] | Callable[..., Any] | ModuleType | None = None,
     changes: Sequence[tuple[str, str]] = (),
+    set: Mapping[str, Any] | None = None,
 ) -> Scenario:
     """Read, change and check a scenario.
 
     Parameters
     ----------
     source
-        A YAML file, or the name of a shipped scenario, with or without `.yaml`.
+        A YAML file, or the name of a shipped scenario, with or without `.yaml`; or its data as a dict; or a scenario.
     overrides
         ``dotted.key=value`` each, value in YAML; applied in order, after the other options.
     plant, aircraft
@@ -46,31 +50,75 @@ def load_scenario(
         folder of the file when the file has it.
     controller
         ``<outer>-<inner>``, such as ``ndi-l1``: sets the two kinds, keeps the parameters that the new kinds know. Any
-        other name, or the path of a .py file, is that of a custom controller (docs/custom-controller.md).
-
+        other name, or the path of a .py file, is that of a custom controller (docs/custom-controller.md). In Python it
+        may be the controller itself: a function ``step(t, x1_c, x1, x2)``, a function ``create(design, h, options)``,
+        or a module.
     changes
         More overrides, applied after the others, each after the option that it was given by.
+    set
+        Values by dotted key, such as ``{"faults[0].effectiveness": 0.5}``, applied last.
 
     Raises
     ------
     InputError
         If anything is wrong with the file, an option or the scenario they make; all errors of the scenario at once.
     """
-    path = find_scenario(source)
-    document = read_document(path)
-    for key, value in (("plant", plant), ("aircraft", aircraft)):
+    document, folder = _document_of(source)
+    for key, value in (("plant", plant), ("aircraft", None if aircraft is None else os.fspath(aircraft))):
         if value is not None:
             document.data[key] = value
             document.put((key,), f"--{key} {value}")
     if controller is not None:
-        set_controller(document, controller)
+        named = isinstance(controller, str | os.PathLike)
+        set_controller(document, os.fspath(controller) if named else in_memory.register(controller))  # type: ignore[arg-type]
     for override in overrides:
         apply(document, override)
     for option, override in changes:
         apply(document, override, option)
-    _resolve_aircraft(document, path.parent)
-    resolve_controller(document, path.parent)
+    for key, value in (set or {}).items():
+        put(document, key, plain_data(value), f"{key} = {value!r}"[:200])
+    _resolve_aircraft(document, folder)
+    resolve_controller(document, folder)
     return scenario_of(document)
+
+
+def make_scenario(data: Mapping[str, Any] | None = None, **sections: Any) -> Scenario:
+    """Return a scenario made in Python: ``make_scenario(name="mine", duration_s=10, reference={"phi_deg": 5})``.
+
+    Parameters
+    ----------
+    data
+        Its sections as a file has them.
+    sections
+        The same as keyword arguments; they go first.
+
+    Raises
+    ------
+    InputError
+        All that is wrong with it.
+    """
+    return load_scenario({**(data or {}), **sections})
+
+
+def _document_of(source: str | os.PathLike[str] | Mapping[str, Any] | Scenario) -> tuple[Document, Path]:
+    """Return the data of a scenario, and the folder that relative paths in it start at."""
+    if isinstance(source, Scenario):
+        return Document(plain_data(source.model_dump()), f"the scenario {source.name}"), Path.cwd()
+    if isinstance(source, Mapping):
+        return Document(plain_data(source), "the scenario given as a dict"), Path.cwd()
+    path = find_scenario(source)
+    return read_document(path), path.parent
+
+
+def plain_data(value: Any) -> Any:
+    """Return a value as YAML would give it: lists for tuples and arrays, Python's own numbers."""
+    if isinstance(value, Mapping):
+        return {key: plain_data(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return [plain_data(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def scenario_of(document: Document) -> Scenario:
@@ -97,7 +145,7 @@ def controller_name(scenario: Scenario) -> str:
     return spelling(controller.outer.kind, controller.inner.kind)
 
 
-def find_scenario(source: str | Path) -> Path:
+def find_scenario(source: str | os.PathLike[str]) -> Path:
     """Return the file of a scenario given as a path or by the name of a shipped one; an existing file goes first.
 
     Raises

@@ -12,6 +12,7 @@ from typing import Any
 from uavftc.config.document import Document, Key, parse
 from uavftc.config.effect import default_kind
 from uavftc.config.values import key_text
+from uavftc.control.custom import in_memory
 from uavftc.control.custom.module import HOW, SHIPPED, is_path, is_there, registered
 from uavftc.errors import InputError
 from uavftc.scenario.controllers import CONTROLLERS, LOOPS, kinds
@@ -54,6 +55,7 @@ def set_controller(document: Document, name: str) -> None:
 
 def custom_name(kind: str) -> str:
     """Return a short name, fit for a folder, of a custom controller: the last part of its import path, or its stem."""
+    kind = kind.removeprefix(in_memory.PREFIX)
     last = re.split(r"[/\\]", kind.removesuffix(".py"))[-1] if is_path(kind) else kind.rpartition(".")[2]
     name = re.sub(r"[^A-Za-z0-9_-]", "_", last)[:100]
     taken = name in CONTROLLERS or (name in SHIPPED and kind != name) or not name[:1].isalnum()
@@ -92,6 +94,8 @@ def resolve_controller(document: Document, folder: Path) -> None:
         remedy = f"write outer: {{kind: {outer}}} and inner: {{kind: {inner}}} in its place"
         raise _error(where, f"'{kind}', which is a pair of laws", "the module of a controller", remedy)
     if not is_there(kind):
+        if kind.startswith(in_memory.PREFIX):
+            raise in_memory.missing(kind, where)
         known = [*CONTROLLERS, *registered()]
         near = _nearest(kind, known)
         raise _error(
@@ -162,16 +166,21 @@ def _fitting(target: Any, part: str | int, here: Key, where: str) -> Any:
             raise _error(where, f"'{part}', where {name} is a list", "an index", f"write {name}[0] for its first entry")
         if int(part) >= len(target):
             held = f"{name} has {len(target)} {'entry' if len(target) == 1 else 'entries'}"
-            remedy = f"set the whole list: --set '{name}=[...]'"
+            remedy = f"set the whole list: {_setting(name, where)}"
             raise _error(where, f"index {part}; {held}", f"an index below {len(target)}", remedy)
         return int(part)
     if isinstance(target, dict):
         if isinstance(part, int):
             found = f"index {part}, where {name} holds no list"
-            raise _error(where, found, "the name of a key", f"set the whole list: --set '{name}=[...]'")
+            raise _error(where, found, "the name of a key", f"set the whole list: {_setting(name, where)}")
         return part
     found = f"{name}, which is neither a section nor a list"
     raise _error(where, found, "a key of the scenario", f"set {name} as a whole")
+
+
+def _setting(name: str, where: str) -> str:
+    """Return how a list is set as a whole: as an option, or in Python."""
+    return f"--set '{name}=[...]'" if where.startswith("--") else f'{{"{name}": [...]}}'
 
 
 def _error(where: str, found: str, expected: str, remedy: str) -> InputError:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import html
 import math
+from collections.abc import Mapping
 from functools import reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -230,6 +232,34 @@ class Scenario(_Chains):
         if found := problems(self):
             raise refusal(found)
         return self
+
+    def changed(self, values: Mapping[str, Any] | None = None, **sections: Any) -> Scenario:
+        """Return a scenario with other values at dotted keys, with the checks and messages of a file.
+
+        Parameters
+        ----------
+        values
+            By key, such as ``{"faults[0].effectiveness": 0.5}``.
+        sections
+            The same for keys without dots: ``duration_s=30``.
+
+        Raises
+        ------
+        InputError
+            If a key does not exist or a value is wrong.
+        """
+        from uavftc.scenario.load import load_scenario  # noqa: PLC0415 - which makes a scenario of what is read
+
+        return load_scenario(self, set={**(values or {}), **sections})
+
+    def __str__(self) -> str:
+        """Return it as a file has it."""
+        from uavftc.scenario.text import scenario_text  # noqa: PLC0415
+
+        return scenario_text(self)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
 
     @property
     def steps(self) -> int:

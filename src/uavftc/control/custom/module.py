@@ -15,6 +15,7 @@ from types import ModuleType
 from typing import Any
 
 from uavftc.control import whole
+from uavftc.control.custom import in_memory
 from uavftc.control.custom.guard import Guard
 from uavftc.control.custom.text import described, place
 from uavftc.errors import InputError
@@ -44,7 +45,7 @@ def registered() -> dict[str, EntryPoint]:
 
 def is_there(kind: str) -> bool:
     """Return whether a kind that is not a path can be found: its package exists. Nothing of it is run."""
-    if kind in SHIPPED or kind in registered():
+    if kind in SHIPPED or in_memory.known(kind) or kind in registered():
         return True
     if not all(part.isidentifier() for part in kind.split(".")):
         return False
@@ -64,6 +65,8 @@ def load(kind: str) -> tuple[Any, str]:
     InputError
         If there is no such module, or loading it fails.
     """
+    if kind.startswith(in_memory.PREFIX):
+        return in_memory.load(kind)
     where = f"controller.kind, '{kind}'"
     guard = Guard()
     try:
