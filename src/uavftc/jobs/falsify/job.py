@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from uavftc.analysis.verdict import SURVIVED
+from uavftc.core.signals import AXES
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.jobs.campaign.engine import Engine, engine_of
@@ -41,6 +42,8 @@ from uavftc.scenario.load import load_scenario
 from uavftc.scenario.text import scenario_text
 
 OBJECTIVES: Mapping[str, type[Search]] = {"margin": Search, "nearest": Nearest}
+STRAIN = tuple(f"{axis}_iae" for axis in AXES)
+"""Columns whose sum guides a search."""
 FOUND, FIGURES = "found.yaml", "figures"
 
 
@@ -197,7 +200,7 @@ class Falsify:
         for (place, flight), ask in asked.items():
             row = trace.known(place, flight, ask.values)
             assert row is not None
-            found[place].append(Told(row["margin"], has_failed(row)))
+            found[place].append(Told(row["margin"], has_failed(row), sum(row[name] or 0.0 for name in STRAIN)))
         return found
 
     def _count(self, row: Row) -> None:

@@ -152,7 +152,7 @@ class Nearest(Search):
             best = min([best, *(one for one in flown if one.failed)], key=lambda one: one.distance)
             if len(flown) < len(points):
                 break
-            es.tell(points, [one.distance + rho * max(0.0, 0.0 if one.failed else one.margin) for one in flown])
+            es.tell(points, [one.distance + rho * max(0.0, 0.0 if one.failed else one.fitness) for one in flown])
             failed = sum(one.failed for one in flown) / len(flown)
             rho *= 1.5 if failed < 0.2 else 1.0 / 1.2 if failed > 0.6 else 1.0
             since += 1

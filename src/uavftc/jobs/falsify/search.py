@@ -10,6 +10,13 @@ is gone on with by telling it again what is known.
                 `cma`) on the margin, from the best start point that no run has begun near to; a run that has stopped
                 to improve is followed by the next, every second one with twice the population
 
+The margin of a flight is that of its worst requirement, so a requirement that no fault changes (how the first step of
+the reference is followed) hides those that faults bring nearer to their limits. So a run goes down
+
+    f = m - 0.1 ln(e/e_nominal) max(m, 0),    e the integral of |error| over time, summed over the axes,
+
+which is the margin m where it is below 0, and above it lower for a flight that is further off its reference.
+
 Bounds are those of `cma`'s `BoundTransform`; a coordinate of k values keeps a deviation of at least a third of a value.
 Points whose values were flown before are not flown again, and cost nothing.
 """
@@ -38,6 +45,8 @@ STALL = 1e-3
 """A run that improves by less, in margin, over its last generations has stopped to."""
 IDLE = 30
 """Batches in a row without a new flight, after which there is nothing left to fly."""
+GUIDE = 0.1
+"""How much of a margin above 0 e times the strain of nominal is worth."""
 WORSE = 2.0
 """Stands for the margin of a flight that could not be flown: above any margin."""
 
@@ -57,6 +66,8 @@ class Told(NamedTuple):
     """None where it could not be flown."""
     failed: bool
     """Flown, and not survived."""
+    strain: float = 0.0
+    """How far the flight was off its reference, in any unit; what guides where the margin says nothing."""
 
 
 class Flown(NamedTuple):
@@ -65,6 +76,8 @@ class Flown(NamedTuple):
     s: np.ndarray
     """On the cube, shape (d,)."""
     margin: float
+    fitness: float
+    """What a run goes down: the margin, guided."""
     failed: bool
     distance: float
 
@@ -96,6 +109,7 @@ class Search:
         """The values of each flight, in order."""
         self._known: dict[str, Told] = {}
         self._idle = 0
+        self._at_rest: float | None = None
         self._begun: list[np.ndarray] = []
         self._start: list[Flown] = []
         self._sobol: qmc.Sobol | None = None
@@ -129,10 +143,10 @@ class Search:
         """Return the start point of the lowest margin that no run has been near to, or a fresh one."""
         free = [one for one in self._start if self._is_new(one.s)]
         if free:
-            return min(free, key=lambda one: one.margin)
+            return min(free, key=lambda one: one.fitness)
         assert self._sobol is not None
         (u,) = self._sobol.random(1)
-        return Flown(self.space.drawn(u), WORSE, False, math.inf)
+        return Flown(self.space.drawn(u), WORSE, WORSE, False, math.inf)
 
     def _is_new(self, s: np.ndarray) -> bool:
         least = NEAR * math.sqrt(self.space.dimension)
@@ -150,11 +164,11 @@ class Search:
             generation = yield from self._fly(points, "cma")
             if len(generation) < len(points):
                 return generation
-            es.tell(points, [one.margin for one in generation])
+            es.tell(points, [one.fitness for one in generation])
             flown += generation
             if until_failed and any(one.failed for one in generation):
                 break
-            best.append(min([one.margin for one in generation] + best[-1:]))
+            best.append(min([one.fitness for one in generation] + best[-1:]))
             patience = 6 + 3 * self.space.dimension // es.popsize * 2
             if len(best) > patience and best[-patience - 1] - best[-1] < STALL:
                 break
@@ -214,7 +228,12 @@ class Search:
         return [self._made(s, self._known[key], distance) for s, key, distance in found]
 
     def _made(self, s: np.ndarray, told: Told, distance: float) -> Flown:
-        return Flown(s, WORSE if told.margin is None else told.margin, told.failed, distance)
+        margin = WORSE if told.margin is None else told.margin
+        if self._at_rest is None:
+            self._at_rest = told.strain  # the first flight is nominal
+        more = math.log(told.strain / self._at_rest) if told.strain > 0.0 and self._at_rest > 0.0 else 0.0
+        fitness = margin - GUIDE * min(max(more, -1.0), 5.0) * min(max(margin, 0.0), 1.0)
+        return Flown(s, margin, fitness, told.failed, distance)
 
 
 def load_cma() -> Any:
