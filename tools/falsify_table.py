@@ -81,7 +81,7 @@ def one(campaign: str, method: str, seed: int, budget: int) -> dict[str, Any]:
 
 
 def table(lines: list[dict[str, Any]]) -> Iterator[str]:
-    """Yield the table in Markdown: medians, least and greatest; without a failure counts as later and farther than any."""
+    """Yield the table in Markdown: medians, least and greatest; no failure counts as later and farther than any."""
     yield "| campaign | search | found by | flights to the first failure | distance of the nearest |"
     yield "|---|---|---|---|---|"
     for campaign in dict.fromkeys(line["campaign"] for line in lines):

@@ -7,8 +7,8 @@ It is a proportional attitude loop that holds the pitch off its reference by an 
     offset = max(0, 1 - (r - R)) deg
 
 so that on `SCENARIO`, which asks the pitch to be within 1 deg, the margin is r - R near the ridge: it falls along the
-ridge, towards t = 1, and rises fast to every side of it. R is the quantile 1/1,000 of r, by 24 million random points, to
-within 0.001. A search has BUDGET flights; in seven eighths of the space the margin is 1 and says nothing.
+ridge, towards t = 1, and rises fast to every side of it. R is the quantile 1/1,000 of r, by 24 million random points,
+to within 0.001. A search has BUDGET flights; in seven eighths of the space the margin is 1 and says nothing.
 """
 
 from __future__ import annotations

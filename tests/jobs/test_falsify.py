@@ -404,14 +404,23 @@ def test_it_says_plainly_when_nothing_was_found_and_how_much_was_searched(file, 
 @pytest.mark.usefixtures("here")
 def test_each_controller_is_searched_with_the_whole_budget_and_one_can_be_named(file, tmp_path):
     both, one = tmp_path / "both", tmp_path / "one"
-    options = ["--set", "controllers=[pid, nndondi-l1]", "--budget", 20, "--workers", 1, "--no-plots", "--quiet"]
+    options = [
+        "--set",
+        "controllers=[nndondi-mrac, nndondi-l1]",
+        "--budget",
+        20,
+        "--workers",
+        1,
+        "--no-plots",
+        "--quiet",
+    ]
     assert run(file, *options, "--out", both).exit_code == 0
-    assert run(file, *options, "--controller", "pid", "--out", one).exit_code == 0
+    assert run(file, *options, "--controller", "nndondi-mrac", "--out", one).exit_code == 0
     table = content(both)
-    assert table["controller"].to_pylist() == ["nndondi-l1"] * 20 + ["pid"] * 20
+    assert table["controller"].to_pylist() == ["nndondi-l1"] * 20 + ["nndondi-mrac"] * 20
     assert table.slice(20).equals(content(one))
     summary = summary_of(both)
-    assert {"found.yaml", "found-nndondi-l1.yaml", "found-pid.yaml"} <= set(summary["files"])
+    assert {"found.yaml", "found-nndondi-l1.yaml", "found-nndondi-mrac.yaml"} <= set(summary["files"])
     assert summary["found"]["margin"] == min(table["margin"].to_pylist())
 
 
