@@ -173,6 +173,10 @@ class Aircraft(Model):
 
     def named_effectors(self) -> dict[str, Surface]:
         """Return the surfaces by name, in their order in a row; empty where they are to be found."""
+        return dict(self._surfaces)
+
+    @functools.cached_property
+    def _surfaces(self) -> dict[str, Surface]:
         if self.effectors:
             return {name: e.surface() for name, e in self.effectors.items() if e.throttle is None}
         if self._stock or not self._checked:

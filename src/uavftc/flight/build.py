@@ -96,8 +96,15 @@ class Flight:
         return self.controller.remarks()
 
 
-def build_flight(scenario: Scenario) -> Flight:
+def build_flight(scenario: Scenario, aircraft: Aircraft | None = None) -> Flight:
     """Return a flight ready to be flown.
+
+    Parameters
+    ----------
+    scenario
+        The flight.
+    aircraft
+        Its aircraft, where it is loaded already and its files have not changed.
 
     Raises
     ------
@@ -105,7 +112,8 @@ def build_flight(scenario: Scenario) -> Flight:
         If the aircraft does not exist, does not load, or cannot be trimmed, or has a reference about an axis that it
         does not control.
     """
-    aircraft = load_aircraft(scenario.aircraft, f"key aircraft: {scenario.aircraft}")
+    if aircraft is None:
+        aircraft = load_aircraft(scenario.aircraft, f"key aircraft: {scenario.aircraft}")
     model = model_of(scenario, aircraft)
     axes = axes_of(aircraft, model)
     refuse_uncontrolled(scenario, aircraft, axes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
@@ -86,17 +87,26 @@ def _told_nothing(scenario: Scenario) -> list[str]:
 
 def entries(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], Any, Any]]:
     """Yield the key, the effect and the entry of each fault, disturbance and window of a sensor, in their order."""
-    for section, kinds in (
-        ("faults", faults((*CHAIN, *ENGINES))),
-        ("disturbances", [(kind, kind.Config) for kind in KINDS]),
-    ):
+    for section in ("faults", "disturbances"):
         for i, entry in enumerate(getattr(scenario, section)):
-            yield from (((section, i), effect, entry) for effect, config in kinds if isinstance(entry, config))
-    for effect in SENSORS:
-        for name in effect.Config.model_fields if hasattr(effect, "Config") else ():
-            value = getattr(scenario.sensors, name)
-            windows = value if isinstance(value, tuple) and value and isinstance(value[0], Window) else ()
-            yield from ((("sensors", name, i), effect, entry) for i, entry in enumerate(windows))
+            config: Any = type(entry)
+            yield from (((section, i), effect, entry) for effect in _effects_of(section, config))
+    for effect, name in _OF_SENSORS:
+        value = getattr(scenario.sensors, name)
+        windows = value if isinstance(value, tuple) and value and isinstance(value[0], Window) else ()
+        yield from ((("sensors", name, i), effect, entry) for i, entry in enumerate(windows))
+
+
+_OF_SENSORS = tuple(
+    (effect, name) for effect in SENSORS if hasattr(effect, "Config") for name in effect.Config.model_fields
+)
+
+
+@functools.cache
+def _effects_of(section: str, config: Any) -> tuple[Any, ...]:
+    """Return the effects of an entry of this class."""
+    known = faults((*CHAIN, *ENGINES)) if section == "faults" else [(kind, kind.Config) for kind in KINDS]
+    return tuple(effect for effect, of in known if issubclass(config, of))
 
 
 def damage_of(scenario: Scenario) -> list[tuple[tuple[str | int, ...], Any]]:

@@ -40,6 +40,7 @@ The functions here are shared by the laws that use a predictor (`l1.py`, `mrac.p
 
 from __future__ import annotations
 
+import functools
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -50,7 +51,7 @@ from uavftc.config.values import Matrix3, Model, Number, Positive, list_of, refu
 from uavftc.control.gains import lyapunov_P, reference_gain
 from uavftc.control.inner.matrices import hurwitz, invertible, is_hurwitz, positive_definite, refuse_reduced
 from uavftc.control.rbf import NODES, Rbf
-from uavftc.core.axes import embedded, masked, reduced
+from uavftc.core.axes import Controlled, embedded, masked, reduced
 from uavftc.core.given import Given
 from uavftc.core.linear3 import multiply, multiply_transposed, solve
 from uavftc.core.stage import law
@@ -156,6 +157,22 @@ class PredictorConfig(Model):
         return found
 
 
+@functools.lru_cache(maxsize=64)
+def _designed(
+    A_m: Matrix3, B_m: Matrix3 | None, K_1: Matrix3, Q: Matrix3, gain: str, axes: Controlled
+) -> tuple[np.ndarray, ...]:
+    """Return A_m, B_m, A_s, P B_m and K of the controlled axes, shape (3, 3) each; kept, since flights share them."""
+    own_A_m, own_B_m = reduced(np.array(A_m), axes), reduced(np.array(B_m), axes)
+    A_s = reduced(np.array(A_m) + np.array(K_1), axes)
+    refuse_reduced(A_s, own_B_m, axes)
+    P_B_m = lyapunov_P(A_s, reduced(np.array(Q), axes)) @ own_B_m
+    K = reference_gain(own_A_m if gain == "plant" else A_s, own_B_m)
+    found = tuple(embedded(matrix, axes) for matrix in (own_A_m, own_B_m, A_s, P_B_m, K))
+    for matrix in found:
+        matrix.flags.writeable = False
+    return found
+
+
 def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
     """Return the values of `PREDICTOR_PARAMS`, K and K_0; the gains are computed from the design matrices here.
 
@@ -165,18 +182,14 @@ def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
         If the part of B_m or of A_m + K_1 that belongs to the controlled axes cannot be used.
     """
     axes = given.axes
-    A_m, B_m = reduced(np.array(config.A_m), axes), reduced(np.array(config.B_m), axes)
-    A_s = reduced(np.array(config.A_m) + np.array(config.K_1), axes)
-    refuse_reduced(A_s, B_m, axes)
-    P_B_m = lyapunov_P(A_s, reduced(np.array(config.Q), axes)) @ B_m
-    K = reference_gain(A_m if config.reference_gain == "plant" else A_s, B_m)
+    A_m, B_m, A_s, P_B_m, K = _designed(config.A_m, config.B_m, config.K_1, config.Q, config.reference_gain, axes)
     limits = given.design.limits_rad if config.anti_windup == "limited" else UNLIMITED
     return {
         "h": given.h,
-        "A_m": embedded(A_m, axes),
-        "B_m": embedded(B_m, axes),
-        "A_s": embedded(A_s, axes),
-        "P_B_m": embedded(P_B_m, axes),
+        "A_m": A_m,
+        "B_m": B_m,
+        "A_s": A_s,
+        "P_B_m": P_B_m,
         "Gamma": config.adaptation_gain,
         "explicit": float(config.integration == "explicit"),
         "omega_min": config.effectiveness_bounds[0],
@@ -189,7 +202,7 @@ def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
         "axes": np.array(axes, float),
         "v_min": limits[:, 0],
         "v_max": limits[:, 1],
-        "K": embedded(K, axes),
+        "K": K,
         "K_0": masked(np.array(config.K_0), axes),
     }
 

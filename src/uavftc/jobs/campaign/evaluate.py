@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from multiprocessing import parent_process
 from typing import Any, NamedTuple
 
+from uavftc.aircraft.definition import Aircraft, load_aircraft
 from uavftc.analysis.metrics import METRICS, controlled_of
 from uavftc.analysis.verdict import SURVIVED
 from uavftc.core.signals import AXES
@@ -67,6 +68,7 @@ class Evaluator:
     def __init__(self, plan: Plan, limit_s: float = math.inf) -> None:
         self._plan, self._limit_s = plan, limit_s
         self._changing = [Changing(variant.scenario) for variant in plan.variants]
+        self._aircraft: dict[int, Aircraft] = {}
 
     def __call__(self, job: Job) -> dict[str, Any]:
         """Fly one case by one variant, and return its row."""
@@ -81,7 +83,10 @@ class Evaluator:
         return row | {"wall_s": time.perf_counter() - started}
 
     def _flown(self, job: Job) -> dict[str, Any]:
-        flight = build_flight(self._changing[job.variant](job.values))
+        scenario = self._changing[job.variant](job.values)
+        if job.variant not in self._aircraft:
+            self._aircraft[job.variant] = load_aircraft(scenario.aircraft)
+        flight = build_flight(scenario, self._aircraft[job.variant])
         if lost := reached(flight.scenario, job.values):
             return {"reason": f"{', '.join(lost)} did not reach the flight"}
         records, result = judged(flight, self._stop())
