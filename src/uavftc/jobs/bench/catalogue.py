@@ -37,9 +37,7 @@ CATALOGUE: dict[str, Entry] = {
     "analytic_over_solve_ivp": Entry(solvers.analytic_over_solve_ivp, dict.fromkeys(solvers.SOLVERS, _AT_LEAST_50)),
     "flights_per_second": Entry(loop.flights_per_second),
     "margin_over_flight": Entry(loop.margin_over_flight, {"analytic": Bar(1.05), "jsbsim": Bar(1.05)}),
-    "campaign_case_over_loop": Entry(
-        campaigns.campaign_case_over_loop, {"analytic": Bar(2.0), "jsbsim": Bar(1.3)}
-    ),
+    "campaign_case_over_loop": Entry(campaigns.campaign_case_over_loop, {"analytic": Bar(2.0), "jsbsim": Bar(1.3)}),
     "process_warm_s": Entry(processes.process_warm_s),
     "warm_over_imports": Entry(processes.warm_over_imports, Bar(1.7)),
     "process_cold_s": Entry(processes.process_cold_s, Bar(12.0)),
