@@ -33,9 +33,9 @@ def gave_up(bench: Bench, speeds: tuple[float, ...], seconds: float) -> InputErr
     """Return the refusal that time is to blame for: no `NoTrimError`, so that it is not remembered."""
     return InputError(
         _where(bench, speeds),
-        found=f"no steady flight found within {seconds:g} s",
+        found=f"no steady flight found within {seconds:g} s of computing",
         expected="a condition at which a trim is found in that time",
-        remedy="give initial.airspeed_mps, so that one speed is tried, or try again when the machine is less busy",
+        remedy="give initial.airspeed_mps, so that one speed is tried",
     )
 
 

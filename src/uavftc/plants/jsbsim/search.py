@@ -108,7 +108,7 @@ class Search:
             size = float(np.max(np.abs(f)))
             if np.isfinite(size) and (best is None or size < best[0]):
                 best = size, x, f
-            if size < ACCEPTED or time.monotonic() > deadline:
+            if size < ACCEPTED or time.process_time() > deadline:
                 break
         if best is None:
             return None
@@ -119,7 +119,7 @@ class Search:
         x = np.clip(x, *self.bounds.T)
         f = self.error(x)
         for _ in range(ITERATIONS):
-            if np.max(np.abs(f)) < SOLVED or not np.all(np.isfinite(f)) or time.monotonic() > deadline:
+            if np.max(np.abs(f)) < SOLVED or not np.all(np.isfinite(f)) or time.process_time() > deadline:
                 break
             J = np.column_stack([self._slope(x, f, i) for i in self.free])
             if not np.all(np.isfinite(J)):
