@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -15,10 +17,12 @@ import pytest
 from scipy.stats import qmc
 from typer.testing import CliRunner
 
+from in_process import InProcess
 from uavftc.cli.app import umbrella
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
+from uavftc.jobs.campaign import sweep
 from uavftc.jobs.campaign.cases import Cases, quantile
 from uavftc.jobs.campaign.engine import rows
 from uavftc.jobs.campaign.evaluate import Job, Plan, evaluate, prepare
@@ -290,6 +294,64 @@ def test_what_kill_9_and_ctrl_c_leave_is_gone_on_with_and_the_table_is_the_same(
     assert run(file, *many, "--out", whole, "--quiet", "--workers", "2").exit_code == 0
     assert content(out).equals(content(whole))
     assert run(file, *many, "--out", out, "--resume", "--quiet").exit_code == 0  # nothing is left to fly
+
+
+@pytest.fixture
+def full_disk(monkeypatch):
+    """Let the disk be full after some writes, as `table.whole` meets it."""
+    room = {}
+
+    def limit(kind, writes):
+        room[kind] = writes
+
+    opened = Path.open
+
+    def maybe_full(path, mode="r", *arguments, **named):
+        kind = "histories" if path.parent.name == "histories" else "part" if "part-" in path.name else None
+        if "w" in mode and kind in room:
+            room[kind] -= 1
+            if room[kind] < 0:
+                raise OSError(errno.ENOSPC, "No space left on device", str(path))
+        return opened(path, mode, *arguments, **named)
+
+    monkeypatch.setattr(Path, "open", maybe_full)
+    return limit
+
+
+@pytest.mark.parametrize("kind", ["histories", "part"])
+def test_a_full_disk_ends_the_campaign_which_goes_on_when_there_is_room(file, tmp_path, full_disk, monkeypatch, kind):
+    monkeypatch.setattr(sweep, "engine_of", InProcess)
+    monkeypatch.setattr(sweep, "PART_ROWS", 3)
+    out, more = tmp_path / "out", ("--set", "histories=all", "--out", tmp_path / "out", "--quiet")
+    full_disk(kind, 5 if kind == "histories" else 1)
+    full = run(file, *more)
+    assert full.exit_code == 1, full.output
+    kept = sum(pq.read_metadata(path).num_rows for path in (out / "parts").glob("part-*.parquet"))
+    said = " ".join(full.output.split())
+    assert "No space left on device" in said
+    assert f"{kept} of 12 flights are kept" in said
+    assert "Traceback" not in said
+    assert kept == (5 if kind == "histories" else 3)  # all whose history is there; the rows of the first part
+    assert not list(out.rglob(".*"))  # nothing half written
+
+    full_disk(kind, 1000)
+    assert run(file, *more, "--resume").exit_code == 0
+    assert len(list((out / "histories").iterdir())) == 12
+    assert run(file, "--set", "histories=all", "--out", tmp_path / "whole", "--quiet").exit_code == 0
+    assert content(out).equals(content(tmp_path / "whole"))
+
+
+def test_parts_that_a_kill_left_behind_a_summary_are_removed_at_resume(file, tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep, "engine_of", InProcess)
+    out = tmp_path / "out"
+    assert run(file, "--out", out, "--quiet").exit_code == 0
+    (out / "parts").mkdir()
+    for name in ("part-000001.parquet", ".part-000002.parquet"):
+        (out / "parts" / name).write_bytes((out / "flights.parquet").read_bytes())
+    before = content(out)
+    assert run(file, "--out", out, "--resume", "--quiet").exit_code == 0
+    assert not (out / "parts").exists()
+    assert content(out).equals(before)
 
 
 def test_the_progress_says_rate_time_left_and_failures():

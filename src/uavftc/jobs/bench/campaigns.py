@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+import tempfile
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,7 @@ from uavftc.core.program import Program
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly
 from uavftc.jobs.bench.measure import Figure, alternately, computed, of, ratios
+from uavftc.jobs.bench.processes import python
 from uavftc.jobs.campaign.cases import Cases
 from uavftc.jobs.campaign.evaluate import Evaluator, Job, Plan
 from uavftc.jobs.campaign.variants import variants_of
@@ -21,6 +25,21 @@ from uavftc.scenario.schema import Scenario
 
 CASES_A_ROUND = 5
 CAMPAIGN = "paper-faults"
+MEMORY = """
+name: memory
+base: scenario1
+cases: 1000
+vary: {reference.phi_deg: {uniform: [1, 5]}, duration_s: {choice: [1.0]}}
+plants: [analytic]
+"""
+SWEEP = """
+import resource, sys
+from uavftc.cli.app import umbrella
+
+if __name__ == "__main__":
+    umbrella(["sweep", *sys.argv[1:], "--quiet"], standalone_mode=False)
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
 
 
 def campaign_case_over_loop(rounds: int) -> dict[str, Figure]:
@@ -44,6 +63,24 @@ def _over_loop(plant: str, rounds: int) -> Figure:
     each = 1e3 / CASES_A_ROUND
     details = {"case_ms": of([each * s for s in took]), "loop_ms": of([each * s for s in flown])}
     return Figure(ratios(took, flown), details)
+
+
+def campaign_memory_growth_mb(_rounds: int) -> Figure:
+    """Peak memory of the process of `uavftc sweep` with 10,000 cases above that with 1,000; flights of 1 s, one round.
+
+    The workers' memory does not count.
+    """
+    if sys.platform == "win32":
+        return Figure([], reason="this system does not count the peak memory of a process")
+    mb = 1e-6 if sys.platform == "darwin" else 1e-3  # bytes there, kB elsewhere
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "memory.yaml"
+        file.write_text(MEMORY, encoding="utf-8")
+        few, many = (
+            mb * float(python(SWEEP, str(file), "--set", f"cases={cases}", "--out", str(Path(folder) / str(cases))))
+            for cases in (1000, 10_000)
+        )
+    return Figure([many - few], {"cases_10000_mb": of([many]), "cases_1000_mb": of([few])})
 
 
 class _Timed:

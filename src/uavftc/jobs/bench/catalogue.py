@@ -44,6 +44,7 @@ CATALOGUE: dict[str, Entry] = {
     "process_first_s": Entry(processes.process_first_s),
     "time_growth": Entry(growth.time_growth, {"analytic": Bar(1.05), "jsbsim": Bar(1.05)}),
     "memory_growth_mb": Entry(processes.memory_growth_mb, Bar(500.0)),
+    "campaign_memory_growth_mb": Entry(campaigns.campaign_memory_growth_mb, Bar(50.0)),
     "peers": Entry(peers.peers),
 }
 """In the order in which they are measured and shown."""
