@@ -23,6 +23,7 @@ from uavftc.errors import InputError
 from uavftc.jobs.campaign.cases import Cases
 from uavftc.jobs.campaign.evaluate import Job, Plan, evaluate, prepare
 from uavftc.jobs.campaign.sweep import ready
+from uavftc.jobs.falsify.job import STRAIN
 from uavftc.jobs.falsify.nearest import Nearest
 from uavftc.jobs.falsify.search import Search, Told
 from uavftc.jobs.falsify.space import Space
@@ -269,7 +270,7 @@ def first_failure(made, search):
                 return before + i + 1
         before += len(rows)
         try:
-            asked = batches.send([Told(row["margin"], False) for row in rows])
+            asked = batches.send([Told(row["margin"], False, sum(row[name] for name in STRAIN)) for row in rows])
         except StopIteration:
             return None
 
