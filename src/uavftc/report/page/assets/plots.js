@@ -174,13 +174,10 @@
   uavftc.redraw = () => Promise.all(uavftc.plots.map(draw));
 
   function listen(plot) {
-    plot.place.on("plotly_relayout", (change) => {
-      if (linking) return;
-      if (change["xaxis.range[0]"] !== undefined) {
-        link([change["xaxis.range[0]"], change["xaxis.range[1]"]], plot);
-      } else if (change["xaxis.autorange"]) {
-        link(null, null);
-      }
+    plot.place.on("plotly_relayout", () => {
+      const range = plot.place._fullLayout.xaxis.range.map(Number), whole = [uavftc.data.clock.start, uavftc.clock.end()];
+      const near = (one, other) => one.every((v, i) => Math.abs(v - other[i]) < 1e-6 * (whole[1] - whole[0]));
+      if (!linking && !near(range, uavftc.clock.range || whole)) link(near(range, whole) ? null : range, plot);
     });
     plot.place.on("plotly_click", (event) => uavftc.clock.set(event.points[0].x, "plot"));
   }
