@@ -90,7 +90,7 @@ def _cases_of_file(name: str) -> int:
 
 
 def _copied(name: str, folder: Path, figure: str) -> bool:
-    """Copy a figure into the docs, small: 64 colours are enough for what it shows."""
+    """Copy a figure into the docs, small: 128 colours are enough for what it shows."""
     from PIL import Image
 
     source = folder / "report" / "figures" / f"{figure}.png"

@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 from in_process import InProcess
 from uavftc.cli.app import umbrella
+from uavftc.config.shipped import scenario_dir
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
@@ -365,6 +366,15 @@ def test_a_dry_run_shows_cases_and_count_and_writes_nothing(file, tmp_path):
     assert "6 cases, 12 flights" in result.output
     assert f"reference.phi_deg = {cases_of(file).values(0)['reference.phi_deg']:.6g}" in result.output
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(path.stem for path in (scenario_dir() / "campaigns").glob("*.yaml")))
+def test_shipped_campaigns_can_be_flown(name):
+    made = ready(load_campaign(name))
+    prepare(Plan(made.variants, made.campaign.success, "none"))
+    for place in range(len(made.variants)):
+        assert evaluate(Job(0, place, made.cases.values(0)))["outcome"] != "error"
 
 
 # --- wrong input ---------------------------------------------------------------------------------------------------

@@ -92,4 +92,4 @@ def sweep(
 
     console = Terminal()
     print_sweep(console, summary)
-    console.print(f"results: {folder}", soft_wrap=True)
+    console.print(f"results: {folder}; uavftc sweep-report says what came of them", soft_wrap=True)
