@@ -11,6 +11,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+AS_GOOD = 0.005
+"""Distance of a key from nominal, in ranges, below which it is not listed."""
+
 
 def print_falsify(console: Console, summary: Mapping[str, Any], folder: Path) -> None:
     """Print the document of `summary.json`."""
@@ -64,10 +67,7 @@ def lines_of(one: Mapping[str, Any]) -> Iterator[str]:
     if found is not None:
         what = f"{found['outcome']}, margin {found['margin']:.4g} ({found['limiting']})"
         yield f"{name}: {what}, {found['distance']:.3g} from nominal, at flight {found['flight'] + 1}"
-        width = max(map(len, found["values"]))
-        for key in sorted(found["values"], key=lambda key: -abs(found["parts"][key])):
-            base = one["base"]["values"][key]
-            yield f"  {key.ljust(width)}  {short(found['values'][key])}  (nominal {short(base)})"
+        yield from _fault(one, found)
     else:
         yield f"{name}: nothing was found that breaks it in {searched(one)}"
         if one["lowest"] is not None:
@@ -79,6 +79,18 @@ def lines_of(one: Mapping[str, Any]) -> Iterator[str]:
             yield f"  this is no proof: a fault that fails in less than {100 * share:.2g} % of the ranges can be missed"
     if one["errors"]:
         yield f"  {one['errors']} flights could not be flown; search.parquet has the reason"
+
+
+def _fault(one: Mapping[str, Any], found: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the keys of a fault, the furthest from nominal first; those that are as good as there in one line."""
+    away = [key for key, part in found["parts"].items() if abs(part) >= AS_GOOD]
+    width = max(map(len, away), default=0)
+    for key in sorted(away, key=lambda key: -abs(found["parts"][key])):
+        base = one["base"]["values"][key]
+        yield f"  {key.ljust(width)}  {short(found['values'][key])}  (nominal {short(base)})"
+    if rest := len(found["parts"]) - len(away):
+        others = f"the other {rest}" if away else "all of them"
+        yield f"  {others} within {100 * AS_GOOD:g} % of the range from nominal"
 
 
 def searched(one: Mapping[str, Any]) -> str:
