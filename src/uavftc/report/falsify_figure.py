@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from uavftc.report import panels
 from uavftc.report.falsify_text import searched, short
@@ -27,6 +28,8 @@ STAGES = {
     "plane": ("plane of margins", PURPLE, "P"),
 }
 LOWEST = -2.05
+FEW = 8
+"""Keys, as if there were at least so many: bars of a few are no thicker."""
 
 
 def write_falsify_figure(file: Path, title: str, rows: Sequence[Mapping[str, Any]], one: Mapping[str, Any]) -> None:
@@ -99,6 +102,7 @@ def _distances(ax: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     ax.set_title("(b) distance of each failure from nominal, in ranges")
     ax.set_xlabel("flight")
     ax.set_xlim(0.0, len(rows) + 1.0)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     if not failed:
         panels.absent(ax, "no failure")
         return
@@ -130,7 +134,7 @@ def _fault(ax: Axes, keys: Sequence[str], shown: Mapping[str, Any], base: Mappin
     for place, key in zip(y, keys, strict=True):
         ax.text(high + 0.04, place, _brief(shown["values"][key]), ha="left", va="center", fontsize="small")
     ax.set_yticks(y, keys, fontsize="small")
-    ax.set_ylim(-0.7, len(keys) - 0.3)
+    ax.set_ylim(min(-0.7, len(keys) - FEW), len(keys) - 0.3)
     ax.set_xlim(low - 0.04, high + 0.3)
     ax.set_xticks([0.0, 0.5, 1.0], ["least", "middle", "greatest"])
     ax.grid(False, axis="y")

@@ -76,7 +76,8 @@ def lines_of(one: Mapping[str, Any]) -> Iterator[str]:
         if one["whole_space"]:
             yield "  that was every combination there is"
         elif (share := one["uniform_share_below"]) is not None:
-            yield f"  this is no proof: a fault that fails in less than {100 * share:.2g} % of the ranges can be missed"
+            points = f"{one['start_points']} points alone"
+            yield f"  this is no proof: by the {points} up to {100 * share:.2g} % of the ranges may fail"
     if one["errors"]:
         yield f"  {one['errors']} flights could not be flown; search.parquet has the reason"
 

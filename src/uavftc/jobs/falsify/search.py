@@ -156,12 +156,12 @@ class Search:
         """Let CMA-ES go down the margin from a point; return what it flew."""
         self._begun.append(start.s)
         es = self._strategy(start.s, SIGMA, doubled=self.runs // 2)
-        self.runs += 1
         best: list[float] = []
         flown: list[Flown] = []
         while not es.stop():
             points = es.ask()
             generation = yield from self._fly(points, "cma")
+            self.runs += not flown
             if len(generation) < len(points):
                 return generation
             es.tell(points, [one.fitness for one in generation])
