@@ -27,6 +27,7 @@ from uavftc.jobs.falsify.search import Told
 from uavftc.jobs.falsify.space import Space
 from uavftc.scenario.campaign import load_campaign
 
+CONTROLLER = "nndondi-l1"
 METHODS = ("falsify", "random", "sobol")
 COLUMNS = ("campaign", "method", "seed", "budget", "first", "nearest", "lowest", "failures")
 
@@ -63,7 +64,13 @@ def by_cases(made: Ready, budget: int) -> Iterator[Found]:
 def one(campaign: str, method: str, seed: int, budget: int) -> dict[str, Any]:
     """Fly one search and return its line."""
     design = "random" if method == "random" else "sobol"
-    settings = [f"seed={seed}", f"cases={budget}", f"design={design}", "plants=[analytic]"]
+    settings = [
+        f"seed={seed}",
+        f"cases={budget}",
+        f"design={design}",
+        "plants=[analytic]",
+        f"controllers=[{CONTROLLER}]",
+    ]
     made = ready(load_campaign(campaign, settings))
     prepare(Plan(made.variants, None, "none"))
     flights = list(by_search(made, budget, seed) if method == "falsify" else by_cases(made, budget))
