@@ -34,7 +34,8 @@ def _engine(value: Any) -> int | str:
     raise PydanticCustomError("name", "{expected}", {"expected": _EXPECTED})
 
 
-_SCHEMA = {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}
+_NAME = {"type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "maxLength": 60}
+_SCHEMA = {"anyOf": [{"type": "integer", "minimum": 1}, _NAME]}
 
 EngineName = Annotated[int | str, PlainValidator(_engine), WithJsonSchema(_SCHEMA)]
 """An engine by its number or its name; which there are is known when the flight is built."""

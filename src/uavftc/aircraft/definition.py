@@ -19,14 +19,22 @@ import re
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from uavftc.aircraft.effectors import Effector, Property, Surface, Surfaces, Throttle, Weight, problems
+from uavftc.aircraft.effectors import Effector, Surface, Surfaces, Throttle, Weight, problems
+from uavftc.aircraft.sections import (
+    AnalyticModel,
+    Autothrottle,
+    FlightLimits,
+    InitialCondition,
+    MassProperties,
+    Trusted,
+    Warnings,
+)
 from uavftc.config.document import Document
 from uavftc.config.explain import explain
 from uavftc.config.shipped import aircraft_dir, aircraft_names
-from uavftc.config.values import Matrix3, Model, Number, Positive, list_of, refusal
+from uavftc.config.values import Model, refusal
 from uavftc.errors import InputError, join
 from uavftc.scenario.load import read_document
 
@@ -34,89 +42,39 @@ COMPANION = "uavftc.yaml"
 STOCK = "jsbsim:"
 
 
-class InitialCondition(Model):
-    """The aircraft's default condition for straight level flight."""
-
-    airspeed_mps: Positive
-    altitude_m: Positive
-
-
-class MassProperties(Model):
-    """What JSBSim must hold after loading, to 1e-6."""
-
-    mass_kg: Positive
-    inertia_kgm2: Matrix3
-    wing_area_m2: Positive
-    span_m: Positive
-    chord_m: Positive
-
-
-class Autothrottle(Model):
-    """The aircraft's own airspeed hold: its switch (0 or 1) and its set point, ft/s true."""
-
-    switch: Property
-    setpoint_fps: Property
-
-
-def _range(value: tuple[float, float]) -> tuple[float, float]:
-    if not value[0] < value[1]:
-        raise PydanticCustomError("shape", "{expected}", {"expected": RANGE})
-    return value
-
-
-RANGE = "[least, greatest], the first below the second"
-Range = Annotated[tuple[Number, Number], list_of(2, RANGE), AfterValidator(_range)]
-
-
-class Trusted(Model):
-    """The ranges within which the aircraft's own documentation trusts the model; a flight that leaves them says so."""
-
-    alpha_deg: Range | None = None
-    beta_deg: Range | None = None
-    airspeed_mps: Range | None = None
-
-
-class FlightLimits(Model):
-    """The envelope that the aircraft is made for; the default requirements ask a flight to stay within it."""
-
-    alpha_deg: Range | None = None
-    bank_deg: Annotated[Positive, Field(le=180)] | None = None
-    load_factor: Range | None = None
-
-
-class AnalyticModel(Model):
-    """The rotational model x2' = gyroscopic + A_l x2 + B_m u2: A_l in 1/s, B_m in 1/s^2."""
-
-    A_l: Matrix3
-    B_m: Matrix3
-
-
-def _warnings(value: object) -> object:
-    texts = tuple(value) if isinstance(value, list | tuple) else ()
-    if value in ("strict", "allow") or (texts and all(isinstance(text, str) and text.strip() for text in texts)):
-        return texts or value
-    expected = "strict, allow, or a list of texts, one from each complaint that is allowed"
-    raise PydanticCustomError("warnings", "{expected}", {"expected": expected})
-
-
 class Aircraft(Model):
     """An aircraft definition, read from its companion file."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
+    """what messages and results call it"""
     description: str = ""
+    """free text"""
     initial: InitialCondition | None = None
+    """its condition at t = 0 where a scenario gives none"""
     mass_properties: MassProperties | None = None
+    """what JSBSim must hold after loading, to 1e-6"""
     surfaces: Surfaces = Surfaces()
+    """the short form of three surfaces, one an axis; else `effectors` and `gangs`"""
     effectors: dict[str, Effector] = Field(default_factory=dict)
+    """surfaces and engines by name; left out, they are found by their response"""
     gangs: dict[str, dict[str, Weight]] = Field(default_factory=dict)
+    """how aileron, elevator and rudder are shared among the surfaces: `aileron: {left: 1, right: -1}`"""
     throttle: Throttle | None = None
+    """throttle commands that the trim sets"""
     autothrottle: Autothrottle | None = None
+    """the aircraft's own airspeed hold"""
     disturbance_moment: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")] | None = None
+    """moment of `external_reactions` by which disturbances act"""
     trusted: Trusted = Trusted()
+    """the ranges within which the model is trusted"""
     limits: FlightLimits = FlightLimits()
+    """the envelope that the aircraft is made for"""
     planet: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*\.xml$")] | None = None
+    """file of a planet of its own, in its folder"""
     analytic: AnalyticModel | None = None
-    warnings: Annotated[tuple[str, ...] | str, BeforeValidator(_warnings)] = "strict"
+    """the rotational model of `plant: analytic`"""
+    warnings: Warnings = "strict"
+    """`strict`: complaints about its files are errors; `allow`: none is; or texts, one from each that is allowed"""
 
     @model_validator(mode="after")
     def _consistent(self) -> Aircraft:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from uavftc.config.values import Model, Number, Positive, Problem
@@ -20,7 +20,7 @@ from uavftc.core.signals import COLUMNS, SURFACES
 
 # JSBSim aborts the process when asked for a name that is no XML name, so no other ever reaches it.
 _PROPERTY = r"[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?(/[A-Za-z_][A-Za-z0-9_.-]*(\[[0-9]+\])?)*"
-_NAME = r"[A-Za-z][A-Za-z0-9_]*"
+NAME = r"[A-Za-z][A-Za-z0-9_]*"
 
 
 def is_property(name: str) -> bool:
@@ -42,8 +42,10 @@ def _weight(value: float) -> float:
 
 _TAKEN = {c.name for c in COLUMNS} | {f"{name}_{kind}_rad" for name in SURFACES for kind in ("position", "servo")}
 
-Property = Annotated[str, AfterValidator(_property)]
-Weight = Annotated[Number, AfterValidator(_weight)]
+Property = Annotated[
+    str, AfterValidator(_property), WithJsonSchema({"type": "string", "pattern": f"^/?{_PROPERTY}$", "maxLength": 200})
+]
+Weight = Annotated[Number, AfterValidator(_weight), WithJsonSchema({"type": "number", "not": {"const": 0}})]
 
 
 class Surface(Model):
@@ -54,9 +56,13 @@ class Surface(Model):
     """
 
     command: Property
+    """JSBSim property that commands it"""
     position: Property | None = None
+    """JSBSim property of its deflection; `null` is none"""
     stop_rad: Positive | None = None
+    """mechanical stop either side of neutral; `null` is measured at full command"""
     rad_per_command: Number | None = None
+    """deflection per unit of the command; `null` is measured"""
 
 
 def standard(command: str, position: str) -> Surface:
@@ -68,15 +74,20 @@ class Surfaces(Model):
     """The three surfaces; deflections count so that positive gives a positive moment about the surface's axis."""
 
     aileron: Surface = standard("aileron", "left-aileron")
+    """about roll"""
     elevator: Surface = standard("elevator", "elevator")
+    """about pitch"""
     rudder: Surface = standard("rudder", "rudder")
+    """about yaw"""
 
 
 class Throttle(Model):
     """Commands that the trim sets, 0..1, and the positions that result; without these, the command is recorded."""
 
     command: Annotated[tuple[Property, ...], Field(min_length=1)]
+    """JSBSim properties that command the engines"""
     position: Annotated[tuple[Property, ...], Field(min_length=1)] | None = None
+    """JSBSim properties of what results; `null` records the commands"""
 
 
 class Effector(Model):
@@ -86,10 +97,15 @@ class Effector(Model):
     """
 
     command: Property | None = None
+    """of a surface: JSBSim property that commands it"""
     position: Property | None = None
+    """JSBSim property of its deflection; `null` is none"""
     stop_rad: Positive | None = None
+    """mechanical stop either side of neutral; `null` is measured at full command"""
     rad_per_command: Number | None = None
+    """deflection per unit of the command; `null` is measured"""
     throttle: Property | None = None
+    """of an engine: JSBSim property of its throttle command"""
 
     def surface(self) -> Surface:
         """Return the surface that this is."""
@@ -168,7 +184,7 @@ def problems(
     if any(e.throttle is not None for e in effectors.values()) and "throttle" in given:
         found.append(Problem(("throttle",), "next to engines in effectors", "one of the two", "leave throttle out"))
     for name, effector in effectors.items():
-        if not re.fullmatch(_NAME, name) or len(name) > 60:
+        if not re.fullmatch(NAME, name) or len(name) > 60:
             rule = "letters, digits and _, beginning with a letter, at most 60"
             found.append(Problem(("effectors", name), f"the name {name!r}", rule, "rename it"))
         if name not in SURFACES and (shown := {f"{name}{kind}_rad" for kind in ("", "_cmd")} & _TAKEN):

@@ -19,11 +19,14 @@ from uavftc.cli.outcome import exit_codes
 from uavftc.cli.process import run
 from uavftc.cli.report import report
 from uavftc.cli.reproduce import reproduce
+from uavftc.cli.schema import schema
 from uavftc.cli.survivable import survivable
 from uavftc.cli.sweep import sweep
 from uavftc.cli.sweep_report import sweep_report
 
-COMMANDS = (fly, design, aircraft, reproduce, compare, margin, sweep, sweep_report, falsify, survivable, report, bench)
+COMMANDS = (
+    fly, design, aircraft, reproduce, compare, margin, sweep, sweep_report, falsify, survivable, report, schema, bench,
+)  # fmt: skip
 """The commands of `uavftc`, in the order in which its help lists them."""
 
 _SETTINGS: dict[str, Any] = {

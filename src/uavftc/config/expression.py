@@ -32,6 +32,12 @@ FUNCTIONS: dict[str, np.ufunc] = {
 
 KNOWN = "t, pi, numbers, + - * / ** ( ) and " + " ".join(FUNCTIONS)
 
+TOKENS = (
+    r"^(?:[ \t\r\n+\-*/(),]|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![\w.])|"
+    rf"(?:t|pi|{'|'.join(FUNCTIONS)})(?!\w))+$"
+)
+"""What an expression is made of, as a regular expression for editors; it knows nothing of their order."""
+
 _BINARY: dict[type[ast.operator], np.ufunc] = {
     ast.Add: np.add,
     ast.Sub: np.subtract,

@@ -26,7 +26,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, core_schema
 
-from uavftc.config.expression import KNOWN, Expression
+from uavftc.config.expression import KNOWN, MAX_LENGTH, TOKENS, Expression
 
 
 class Model(BaseModel):
@@ -104,20 +104,21 @@ def _matrix(value: Any) -> Any:
     return tuple(tuple(row) for row in rows)
 
 
-def _three_schema(item: dict[str, Any]) -> WithJsonSchema:
+def three_schema(item: dict[str, Any]) -> WithJsonSchema:
+    """Return the JSON Schema of what `three` admits, each number as `item` says."""
     return WithJsonSchema({"anyOf": [item, {"type": "array", "items": item, "minItems": 3, "maxItems": 3}]})
 
 
-Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(three), _three_schema({"type": "number"})]
+Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(three), three_schema({"type": "number"})]
 PositiveVector3 = Annotated[
     tuple[Positive, Positive, Positive],
     BeforeValidator(three),
-    _three_schema({"type": "number", "exclusiveMinimum": 0}),
+    three_schema({"type": "number", "exclusiveMinimum": 0}),
 ]
 NonNegativeVector3 = Annotated[
     tuple[NonNegative, NonNegative, NonNegative],
     BeforeValidator(three),
-    _three_schema({"type": "number", "minimum": 0}),
+    three_schema({"type": "number", "minimum": 0}),
 ]
 _Row = tuple[Number, Number, Number]
 Matrix3 = Annotated[tuple[_Row, _Row, _Row], BeforeValidator(_matrix)]
@@ -180,7 +181,8 @@ class Signal:
 
     @classmethod
     def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [{"type": "number"}, {"type": "string", "description": f"expression: {KNOWN}"}]}
+        text = {"type": "string", "pattern": TOKENS, "maxLength": MAX_LENGTH, "description": f"expression: {KNOWN}"}
+        return {"anyOf": [{"type": "number"}, text]}
 
     @classmethod
     def _validate(cls, value: object) -> Signal:
@@ -199,7 +201,12 @@ def _surface(name: str) -> str:
     return name
 
 
-SurfaceName = Annotated[str, Strict(), AfterValidator(_surface)]
+SurfaceName = Annotated[
+    str,
+    Strict(),
+    AfterValidator(_surface),
+    WithJsonSchema({"type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "maxLength": 60}),
+]
 """An effector of the aircraft, or the gang of an axis; which there are is known when the flight is built."""
 
 

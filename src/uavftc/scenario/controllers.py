@@ -12,7 +12,7 @@ from functools import reduce
 from operator import or_
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
 from uavftc.actuators import CHAIN
 from uavftc.config.effect import configs, default_kind
@@ -98,9 +98,11 @@ class _Module(Model):
     kind: Annotated[str, Field(min_length=1, max_length=4096)]
     """`pid` or `lqi`, which are shipped; the path of a `.py` file; `my_package.my_module`; or the name of an entry
     point"""
-    options: Annotated[dict[str, Any], BeforeValidator(lambda value: {} if value is None else value)] = Field(
-        default_factory=dict
-    )
+    options: Annotated[
+        dict[str, Any],
+        BeforeValidator(lambda value: {} if value is None else value),
+        WithJsonSchema({"type": ["object", "null"]}),
+    ] = Field(default_factory=dict)
     """handed to the module: finite numbers, texts, `true`, `false`, `null`, lists and maps"""
     rate_hz: Rate = 200.0
     """rate at which it runs, 1 to 10000"""

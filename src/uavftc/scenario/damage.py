@@ -12,7 +12,7 @@ import re
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, Strict, model_validator
+from pydantic import AfterValidator, Field, Strict, WithJsonSchema, model_validator
 from pydantic_core import PydanticCustomError
 
 from uavftc.config.values import Model, Number, Problem, SurfaceName, Window, list_of, refusal
@@ -88,7 +88,8 @@ def _coefficient(name: str) -> str:
     return name
 
 
-Coefficient = Annotated[str, Strict(), AfterValidator(_coefficient)]
+_NAMES = {"type": "string", "pattern": f"^{COEFFICIENT.pattern}$"}
+Coefficient = Annotated[str, Strict(), AfterValidator(_coefficient), WithJsonSchema(_NAMES)]
 Share = Annotated[Number, Field(ge=0, le=1)]
 
 

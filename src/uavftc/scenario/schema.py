@@ -224,8 +224,13 @@ class Scenario(_Chains):
     def _null_sections(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        sections = {name for name, field in cls.model_fields.items() if isinstance(field.default, BaseModel | tuple)}
+        sections = cls.nullable()
         return {key: value for key, value in data.items() if not (key in sections and value is None)}
+
+    @classmethod
+    def nullable(cls) -> set[str]:
+        """Return the sections that are as left out where they are null."""
+        return {name for name, field in cls.model_fields.items() if isinstance(field.default, BaseModel | tuple)}
 
     @model_validator(mode="after")
     def _checked(self) -> Scenario:

@@ -11,13 +11,14 @@ from typing import Annotated
 import numpy as np
 from pydantic import BeforeValidator, Field, Strict
 
-from uavftc.config.values import Model, Number, Positive, list_of, three
+from uavftc.config.values import Model, Number, Positive, list_of, three, three_schema
 
 MOST = 1000.0  # of a factor, and of a shift in m: no aircraft is so far from what it was taken for
 Factor = Annotated[Positive, Field(le=MOST)]
 Shift = Annotated[Number, Field(ge=-MOST, le=MOST)]
 Shifts = Annotated[tuple[Shift, Shift, Shift], list_of(3, "a list of three: [forward, right, down]")]
-Factors = Annotated[tuple[Factor, Factor, Factor], BeforeValidator(three)]
+_FACTOR = {"type": "number", "exclusiveMinimum": 0, "maximum": MOST}
+Factors = Annotated[tuple[Factor, Factor, Factor], BeforeValidator(three), three_schema(_FACTOR)]
 Name = Annotated[str, Strict(), Field(min_length=1, max_length=200)]
 
 
