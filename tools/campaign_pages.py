@@ -14,10 +14,11 @@ import argparse
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
-from uavftc.jobs.sweep_report.job import sweep_report, write_report
+from uavftc.jobs.sweep_report.job import draw, sweep_report
 from uavftc.report import campaign_page
 
 ROOT = Path(__file__).parents[1]
@@ -51,8 +52,12 @@ def fly(name: str, cases: int | None, workers: int | None) -> Path:
 def part_of(name: str, folder: Path) -> str:
     """Write the figures of a campaign, and return its part of the page."""
     flown, document = sweep_report(folder)
-    write_report(flown, document, None)
-    shown = [figure for figure in (FIGURES if name == "paper-faults" else ("map",)) if _copied(name, folder, figure)]
+    chosen = FIGURES if name == "paper-faults" else ("map",)
+    with tempfile.TemporaryDirectory() as temporary:
+        drawn = draw(Path(temporary) / "figures", flown, document, chosen)
+        shown = [figure for figure in chosen if f"{figure}.png" in drawn]
+        for figure in shown:
+            _copy(Path(temporary) / "figures" / f"{figure}.png", IMAGES / f"{name}-{figure}.png")
     cases = document["cases"]
     whole = "" if cases == _cases_of_file(name) else f" --set cases={cases}"
     lines = [
@@ -89,21 +94,16 @@ def _cases_of_file(name: str) -> int:
     return load_campaign(name).count
 
 
-def _copied(name: str, folder: Path, figure: str) -> bool:
+def _copy(source: Path, target: Path) -> None:
     """Copy a figure into the docs, small: 128 colours are enough for what it shows."""
     from PIL import Image
 
-    source = folder / "report" / "figures" / f"{figure}.png"
-    if not source.is_file():
-        return False
-    IMAGES.mkdir(parents=True, exist_ok=True)
+    target.parent.mkdir(parents=True, exist_ok=True)
     with Image.open(source) as image:
         width = min(image.width, 1500)
-        small = image.convert("RGB").resize(
-            (width, round(image.height * width / image.width)), Image.Resampling.LANCZOS
-        )
-        small.quantize(128, dither=Image.Dither.NONE).save(IMAGES / f"{name}-{figure}.png", optimize=True)
-    return True
+        size = width, round(image.height * width / image.width)
+        small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+        small.quantize(128, dither=Image.Dither.NONE).save(target, optimize=True)
 
 
 def main() -> None:

@@ -28,7 +28,7 @@ from uavftc.jobs.campaign.variants import variants_of
 from uavftc.jobs.sweep_report.compare import interval, pairs, spread
 from uavftc.jobs.sweep_report.influence import index, influence, order
 from uavftc.jobs.sweep_report.job import sweep_report
-from uavftc.report.campaign_map import axis_of, near
+from uavftc.report.campaign_map import axis_of, near, plain
 from uavftc.report.campaign_text import folded, percent
 from uavftc.scenario.campaign import load_campaign
 
@@ -249,6 +249,12 @@ def test_values_that_stand_alone_are_not_mixed():
     assert near(x, y, np.array([0.1, 0.2, 0.3, np.nan])) == pytest.approx(
         np.array([[0.1, 0.3], [0.2, np.nan]]), nan_ok=True
     )
+
+
+def test_a_section_is_named_in_plain_words():
+    assert plain('{"kind": "stuck", "surface": "rudder", "at_deg": 2}') == "stuck rudder, at_deg 2"
+    assert plain('[{"kind": "loss", "engine": 1}]') == "loss engine 1"
+    assert plain("0.5*sin(3*t) + 1") == "0.5*sin(3*t) + 1"
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ Importing this module imports matplotlib (0.7 s), so import it where figures are
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,28 +39,30 @@ class Data(NamedTuple):
     """How each of the two was drawn, such as `log-uniform`."""
 
 
-def write_figures(folder: Path, document: Mapping[str, Any], data: Data) -> list[str]:
-    """Draw what there is to draw as PNG files, and return their names."""
+def write_figures(folder: Path, document: Mapping[str, Any], data: Data, only: Collection[str]) -> list[str]:
+    """Draw what there is to draw as PNG files, of the figures with these names, and return the files' names."""
     margin = data.numbers("margin")
-    made: dict[str, Figure] = {}
-    with panels.style():
-        made["success"] = success_figure(document)
-        if np.isfinite(margin).any():
-            made["margins"] = margins_figure(document, margin)
-        if document["metrics"]:
-            made["metrics"] = metrics_figure(document, data.numbers)
-        if any(document["sensitivity"]["variants"].values()):
-            made["sensitivity"] = sensitivity_figure(document)
-        if document["map"] and np.isfinite(margin).any():
-            made["map"] = map_figure(document, margin, data.inputs, data.kinds)
-        for name, figure in made.items():
-            file = folder / f"{name}.png"
+    some = bool(np.isfinite(margin).any())
+    makers: dict[str, tuple[bool, Callable[[], Figure]]] = {
+        "success": (True, lambda: success_figure(document)),
+        "margins": (some, lambda: margins_figure(document, margin)),
+        "metrics": (bool(document["metrics"]), lambda: metrics_figure(document, data.numbers)),
+        "sensitivity": (any(document["sensitivity"]["variants"].values()), lambda: sensitivity_figure(document)),
+        "map": (some and bool(document["map"]), lambda: map_figure(document, margin, data.inputs, data.kinds)),
+    }
+    names = []
+    for name, (there, make) in makers.items():
+        if not there or name not in only:
+            continue
+        with panels.style():
+            figure = make()
 
             def save(partial: Path, figure: Figure = figure) -> None:
                 figure.savefig(partial, metadata=figure_metadata(".png"))
 
-            write_single(file, save)
-    return [f"{name}.png" for name in made]
+            write_single(folder / f"{name}.png", save)
+        names.append(f"{name}.png")
+    return names
 
 
 def success_figure(document: Mapping[str, Any]) -> Figure:

@@ -8,6 +8,7 @@ them stands alone.
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -26,6 +27,7 @@ CELLS = 72  # along a continuous input
 LEVELS = 12  # values of an input up to which each stands alone, if numbers; texts always do
 SPREAD = 0.2887  # standard deviation of a uniform distribution, of its range
 ENOUGH = 0.02  # of the mean number of flights a cell: below it nothing is shown
+FIRST = ("kind", "surface", "engine")
 SHOWN = 1_500  # flights drawn as points
 COLOURS = LinearSegmentedColormap.from_list("margin", ["#7a2e00", VERMILLION, "#f6e3d8", "#dcecf6", BLUE, "#003b5c"])
 NORM = TwoSlopeNorm(vcenter=0.0, vmin=-1.0, vmax=1.0)
@@ -59,12 +61,27 @@ def axis_of(key: str, values: np.ndarray, words: Sequence[str] | None, kind: str
     """Return an input as an axis of the map."""
     levels = np.unique(values)
     if words is not None or len(levels) <= LEVELS:
-        labels = [words[int(level)] if words is not None else f"{level:g}" for level in levels]
+        labels = [plain(words[int(level)]) if words is not None else f"{level:g}" for level in levels]
         return Axis(key, np.searchsorted(levels, values).astype(float), np.arange(len(levels) + 1) - 0.5, labels, False)
     log = kind == "log-uniform"
     low, high = float(values.min()), float(values.max())
     edges = np.geomspace(low, high, CELLS + 1) if log else np.linspace(low, high, CELLS + 1)
     return Axis(key, values, edges, None, log)
+
+
+def plain(word: str) -> str:
+    """Return a value as a label: of a section the kind, what it is on, and the rest by name."""
+    try:
+        said = json.loads(word)
+    except ValueError:
+        return word
+    if isinstance(said, list) and said and all(isinstance(one, dict) for one in said):
+        return "; ".join(plain(json.dumps(one)) for one in said)
+    if not isinstance(said, dict):
+        return word
+    first = " ".join(f"engine {said[k]}" if k == "engine" else str(said[k]) for k in FIRST if k in said)
+    rest = [f"{key} {value}" for key, value in said.items() if key not in FIRST]
+    return ", ".join(part for part in (first, *rest) if part)
 
 
 def near(x: Axis, y: Axis, margin: np.ndarray) -> np.ndarray:
@@ -102,11 +119,13 @@ def map_figure(
         How each was drawn.
     """
     x, y = (axis_of(key, *inputs[key], kinds[key]) for key in document["map"])
+    if _wordy(x) > _wordy(y):
+        x, y = y, x  # texts stand at the side, where there is room to read them
     variants = document["variants"]
     columns = min(3, len(variants))
     rows = -(-len(variants) // columns)
-    wordy = max((len(label) for label in y.labels or []), default=0)
-    size = (4.4 * columns + 1.6 + min(0.07 * wordy, 3.0), 3.9 * rows + 1.6)
+    high = max(3.9, 0.3 * len(y.labels or []) + 0.8)
+    size = (4.4 * columns + 1.6 + min(0.07 * _wordy(y), 3.4), high * rows + 1.6)
     fig = Figure(figsize=size, layout="constrained")
     axes = fig.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     for i, (ax, one) in enumerate(zip(axes.flat, variants, strict=False)):
@@ -133,6 +152,10 @@ def map_figure(
     )
     fig.suptitle(f"{headline(document)}: the margin over two inputs", fontsize=13, parse_math=False)
     return fig
+
+
+def _wordy(axis: Axis) -> int:
+    return max((len(label) for label in axis.labels or []), default=0)
 
 
 def _panel(ax: Axes, x: Axis, y: Axis, margin: np.ndarray) -> Any:

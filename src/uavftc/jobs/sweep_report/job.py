@@ -11,13 +11,14 @@ the folder is still known as ours as a whole, and a new campaign may replace it.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from uavftc.jobs.campaign.scenarios import command
 from uavftc.jobs.sweep_report.document import document_of
 from uavftc.jobs.sweep_report.read import Flown
-from uavftc.report.campaign_page import page
+from uavftc.report.campaign_page import FIGURES, page
 from uavftc.results import manifest
 from uavftc.results.folder import ResultFolder
 from uavftc.results.hold import Hold
@@ -61,7 +62,7 @@ def write_report(flown: Flown, document: dict[str, Any], out: Path | None, *, fi
     with ResultFolder(target) as result:
         drawn: list[str] = []
         if figures:
-            missing = result.figures(lambda folder: drawn.extend(_draw(folder, flown, document)))
+            missing = result.figures(lambda folder: drawn.extend(draw(folder, flown, document)))
             if missing is not None:
                 document["figures_missing"] = missing
                 drawn = []
@@ -87,7 +88,8 @@ def _write_worst(folder: Path, shown: Path, flown: Flown, document: dict[str, An
         one["command"] = command(shown / WORST / name, {})
 
 
-def _draw(folder: Path, flown: Flown, document: dict[str, Any]) -> list[str]:
+def draw(folder: Path, flown: Flown, document: dict[str, Any], only: Collection[str] = tuple(FIGURES)) -> list[str]:
+    """Draw the figures of a report with these names into a new folder, as far as there are any; return the file names."""
     from uavftc.report.backend import load_matplotlib  # noqa: PLC0415 - matplotlib takes most of a second
 
     load_matplotlib()
@@ -97,7 +99,7 @@ def _draw(folder: Path, flown: Flown, document: dict[str, Any]) -> list[str]:
     inputs = {key: flown.input(key) for key in keys}
     kinds = {key: flown.campaign.vary[key].kind for key in keys}
     folder.mkdir()
-    return write_figures(folder, document, Data(flown.numbers, inputs, kinds))
+    return write_figures(folder, document, Data(flown.numbers, inputs, kinds), only)
 
 
 def _list_report(folder: Path) -> None:
