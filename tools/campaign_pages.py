@@ -95,7 +95,7 @@ def _cases_of_file(name: str) -> int:
 
 
 def _copy(source: Path, target: Path) -> None:
-    """Copy a figure into the docs, small: 128 colours are enough for what it shows."""
+    """Copy a figure into the docs, small: 256 colours are enough for what it shows."""
     from PIL import Image
 
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -103,7 +103,7 @@ def _copy(source: Path, target: Path) -> None:
         width = min(image.width, 1500)
         size = width, round(image.height * width / image.width)
         small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
-        small.quantize(128, dither=Image.Dither.NONE).save(target, optimize=True)
+        small.quantize(256, dither=Image.Dither.NONE).save(target, optimize=True)
 
 
 def main() -> None:

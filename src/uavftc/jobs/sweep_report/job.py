@@ -89,7 +89,7 @@ def _write_worst(folder: Path, shown: Path, flown: Flown, document: dict[str, An
 
 
 def draw(folder: Path, flown: Flown, document: dict[str, Any], only: Collection[str] = tuple(FIGURES)) -> list[str]:
-    """Draw the figures of a report with these names into a new folder, as far as there are any; return the file names."""
+    """Draw the figures of these names into a new folder, as far as there are any, and return the files' names."""
     from uavftc.report.backend import load_matplotlib  # noqa: PLC0415 - matplotlib takes most of a second
 
     load_matplotlib()
