@@ -40,6 +40,7 @@ class Cases:
         self._grids = [key for key, vary in campaign.vary.items() if vary.kind == "grid"]
         self._lists = [key for key, vary in campaign.vary.items() if vary.kind == "list"]
         self._chunk: tuple[int, np.ndarray] | None = None
+        self._sequence: qmc.Sobol | None = None
         self._cube: np.ndarray | None = None
 
     def values(self, case: int) -> dict[str, Any]:
@@ -77,10 +78,11 @@ class Cases:
     def _sobol(self, case: int) -> np.ndarray:
         first = case - case % CHUNK
         if self._chunk is None or self._chunk[0] != first:
-            sequence = qmc.Sobol(len(self._drawn), scramble=True, seed=stream(self._seed, "campaign sobol"))
-            if first:
-                sequence.fast_forward(first)
-            self._chunk = first, sequence.random(CHUNK)
+            if self._sequence is None or self._sequence.num_generated > first:
+                self._sequence = qmc.Sobol(len(self._drawn), scramble=True, seed=stream(self._seed, "campaign sobol"))
+            if ahead := first - self._sequence.num_generated:  # each step of it takes its time
+                self._sequence.fast_forward(ahead)
+            self._chunk = first, self._sequence.random(CHUNK)
         point: np.ndarray = self._chunk[1][case - first]
         return point
 
