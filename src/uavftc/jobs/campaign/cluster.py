@@ -199,6 +199,8 @@ class ClusterEngine:
                 yield from self._fly(iter([suspect]), last)
                 if last:
                     yield self._failed(suspect, "its worker ended again and again (KilledWorker)")
+        except OSError as error:  # what the client raises in the middle of whatever it does
+            raise ConnectionError(f"the cluster at {self._address} is gone") from error
         finally:
             self._forget()
 
