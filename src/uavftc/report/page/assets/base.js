@@ -1,5 +1,5 @@
 "use strict";
-// What all scripts of the page share: its data, arrays out of base64, and who is told when the time changes.
+// What all scripts of the page share: its data, arrays out of base64, and who hears of a new time.
 const uavftc = { data: JSON.parse(document.getElementById("data").textContent), plots: [], problems: [] };
 
 window.addEventListener("error", (event) => uavftc.problems.push(String(event.message)));

@@ -1,7 +1,7 @@
 "use strict";
 // Groups of panels over one time axis: one plot a group, panels below each other, all plots of a page linked.
 (function () {
-  const PANEL = 118, GAP = 30, LEFT = 58, RIGHT = 12, BOTTOM = 40, PAPER_WIDTH = 690;
+  const HIGH = 118, GAP = 30, ON_PAPER = 66, LEFT = 58, RIGHT = 12, BOTTOM = 40, PAPER_WIDTH = 690;
 
   const dashOf = (look) => look.dash;
   const alphaOf = (colour, alpha) => {
@@ -90,6 +90,7 @@
 
   function layout(group, width) {
     const ink = uavftc.theme.ink(), n = group.panels.length;
+    const PANEL = uavftc.theme.printing ? ON_PAPER : HIGH;  // a page holds nine
     const top = topOf(group, width), inner = n * PANEL + (n - 1) * GAP, height = top + inner + BOTTOM;
     const clock = uavftc.clock;
     const range = clock.range || [uavftc.data.clock.start, Math.max(clock.end(), uavftc.data.clock.start + 1e-3)];
@@ -191,6 +192,7 @@
       uavftc.plots.push(plot);
       await draw(plot);
       listen(plot);
+      await new Promise((go) => setTimeout(go, 0));  // what is drawn is seen before the rest
     }
     uavftc.clock.listeners.push(() => uavftc.plots.forEach(cursor));
     uavftc.theme.listeners.push(uavftc.redraw);

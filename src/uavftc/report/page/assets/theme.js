@@ -25,8 +25,18 @@ uavftc.theme = {
       this.tell();
     });
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.tell());
-    window.addEventListener("beforeprint", () => { this.printing = true; this.tell(); });
-    window.addEventListener("afterprint", () => { this.printing = false; this.tell(); });
+    const closed = new Set();
+    window.addEventListener("beforeprint", () => {
+      this.printing = true;
+      for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; closed.add(one); }
+      this.tell();
+    });
+    window.addEventListener("afterprint", () => {
+      this.printing = false;
+      for (const one of closed) one.open = false;
+      closed.clear();
+      this.tell();
+    });
     this.tell();
   },
 };
