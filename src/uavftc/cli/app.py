@@ -12,6 +12,7 @@ from uavftc.cli.aircraft import aircraft
 from uavftc.cli.bench import bench
 from uavftc.cli.compare import compare
 from uavftc.cli.design import design
+from uavftc.cli.export import export
 from uavftc.cli.falsify import falsify
 from uavftc.cli.fly import fly
 from uavftc.cli.margin import margin
@@ -25,7 +26,8 @@ from uavftc.cli.sweep import sweep
 from uavftc.cli.sweep_report import sweep_report
 
 COMMANDS = (
-    fly, design, aircraft, reproduce, compare, margin, sweep, sweep_report, falsify, survivable, report, schema, bench,
+    fly, design, aircraft, reproduce, compare, margin, sweep, sweep_report, falsify, survivable, report,
+    export, schema, bench,
 )  # fmt: skip
 """The commands of `uavftc`, in the order in which its help lists them."""
 

@@ -1,0 +1,1 @@
+"""`uavftc export`: histories as files for other programs; one format a file."""
