@@ -139,7 +139,8 @@ class ClusterEngine:
         self._sized_at, self._ahead = -math.inf, LEAST_AHEAD
 
     def __enter__(self) -> ClusterEngine:
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said by our errors
+        for name in ("distributed", "distributed.client"):  # what matters is said by our errors
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             self._client = Client(self._address, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
