@@ -44,8 +44,9 @@ def document_of(flown: Flown, on_axes: str | None = None) -> dict[str, Any]:
     chosen = _axes(on_axes, inputs, constant)
     seen = [influence.influence(inputs, margin[: len(limit), i], campaign.seed) for i in range(len(names))]
     keys = influence.order(seen, list(inputs))
-    if chosen is None and len(keys) > 1:
-        chosen = keys[0], keys[1]
+    shown = sorted(keys, key="seed".__eq__)  # a seed has no more and less: it is on the map when all else is used up
+    if chosen is None and len(shown) > 1:
+        chosen = shown[0], shown[1]
     outcomes, limiting = _counted(flown, "outcome"), _broken(flown, margin)
     said = shares(success)
     variants = [
