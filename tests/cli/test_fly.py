@@ -244,3 +244,12 @@ def test_two_flights_into_one_folder_at_a_time_are_one_flight_and_a_message(tmp_
     assert second.returncode == 2
     assert "another uavftc that is writing to it" in second.stderr
     assert os.listdir(tmp_path) == ["one"]
+
+
+def test_json_is_the_summary_and_nothing_else_on_standard_output(tmp_path):
+    options = ["--plant", "analytic", "--set", "duration_s=2", "--no-plots", "--json", "--out", str(tmp_path / "a")]
+    run = subprocess.run(
+        [sys.executable, "-m", "uavftc", "fly", "scenario1", *options], capture_output=True, text=True, check=True
+    )
+    assert json.loads(run.stdout) == json.loads((tmp_path / "a" / "summary.json").read_text(encoding="utf-8"))
+    assert "next: uavftc survivable scenario1 --set=duration_s=2" in run.stderr  # 2 s are too short to track

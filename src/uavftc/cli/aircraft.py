@@ -9,6 +9,12 @@ from typing import Annotated
 
 import typer
 
+SHORT = "List the aircraft, and which of them can be flown."
+EXAMPLES = (
+    "uavftc aircraft",
+    "uavftc aircraft --json > aircraft.json",
+)
+
 
 def aircraft(
     *,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
@@ -20,19 +21,19 @@ from uavftc.cli.outcome import exit_codes
 from uavftc.cli.process import run
 from uavftc.cli.report import report
 from uavftc.cli.reproduce import reproduce
+from uavftc.cli.scenarios import scenarios
 from uavftc.cli.schema import schema
 from uavftc.cli.survivable import survivable
 from uavftc.cli.sweep import sweep
 from uavftc.cli.sweep_report import sweep_report
 
 COMMANDS = (
-    fly, design, aircraft, reproduce, compare, margin, sweep, sweep_report, falsify, survivable, report,
-    export, schema, bench,
+    fly, scenarios, compare, report, export, margin, survivable, sweep, sweep_report, falsify,
+    design, aircraft, schema, reproduce, bench,
 )  # fmt: skip
 """The commands of `uavftc`, in the order in which its help lists them."""
 
 _SETTINGS: dict[str, Any] = {
-    "add_completion": False,
     "pretty_exceptions_enable": False,
     "rich_markup_mode": None,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -43,8 +44,20 @@ def umbrella_of(commands: Sequence[Callable[..., None]]) -> typer.Typer:
     """Return the command `uavftc` with these commands below it, each named as its function."""
     umbrella = typer.Typer(name="uavftc", no_args_is_help=True, callback=_umbrella, **_SETTINGS)
     for command in commands:
-        umbrella.command(command.__name__.replace("_", "-"))(exit_codes(command))
+        umbrella.command(command.__name__.replace("_", "-"), **_help_of(command))(exit_codes(command))
     return umbrella
+
+
+def _help_of(command: Callable[..., None], script: str = "uavftc fly") -> dict[str, Any]:
+    """Return what a command's file says for its help: the line in the list of commands, and its examples."""
+    module = sys.modules[command.__module__]
+    found: dict[str, Any] = {}
+    if (short := getattr(module, "SHORT", None)) is not None:
+        found["short_help"] = short
+    if examples := getattr(module, "EXAMPLES", ()):
+        lines = (f"  {example.replace('uavftc fly', script)}" for example in examples)
+        found["epilog"] = "\n".join(["\b", "Examples:", *lines])
+    return found
 
 
 def _version(asked: bool) -> None:
@@ -61,7 +74,7 @@ def _umbrella(
 
 umbrella = umbrella_of(COMMANDS)
 single = typer.Typer(name="uavftc-fly", **_SETTINGS)
-single.command()(exit_codes(fly))
+single.command(**_help_of(fly, "uavftc-fly"))(exit_codes(fly))
 
 
 def main() -> NoReturn:

@@ -11,6 +11,12 @@ import typer
 
 from uavftc.errors import InputError
 
+SHORT = "How fast it is, compared with bare JSBSim."
+EXAMPLES = (
+    "uavftc bench --only controller_step_us",
+    "uavftc bench --json > bench.json",
+)
+
 
 def bench(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on standard output.")] = False,

@@ -22,6 +22,12 @@ from uavftc.cli.options import (
 )
 from uavftc.cli.outcome import LOST, UNEXPECTED, missing_lines
 
+SHORT = "Several controllers, or both plants, side by side."
+EXAMPLES = (
+    "uavftc compare scenario3 --controllers nndondi-l1,pid,lqi",
+    "uavftc compare scenario2 --variant slow:controller.outer.bandwidth=0.3",
+)
+
 
 def compare(
     scenario: ScenarioName,

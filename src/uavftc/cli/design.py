@@ -10,16 +10,28 @@ from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli import complete
 from uavftc.errors import InputError
 
 _POSITIVE = {"sigma_r", "airspeed_mps", "altitude_m"}
 Float = Optional[float]  # noqa: UP045 - typer reads it
 
 
+SHORT = "Trim, linear model, modes, gains and bounds of an aircraft."
+EXAMPLES = (
+    "uavftc design hale",
+    "uavftc design jsbsim:c172p --figure c172p.png",
+)
+
+
 def design(
     aircraft: Annotated[
         str,
-        typer.Argument(metavar="AIRCRAFT", help="A shipped aircraft (hale), a folder, or jsbsim:NAME (jsbsim:c172p)."),
+        typer.Argument(
+            metavar="AIRCRAFT",
+            help="A shipped aircraft (hale), a folder, or jsbsim:NAME (jsbsim:c172p).",
+            autocompletion=complete.aircraft,
+        ),
     ],
     *,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on standard output.")] = False,

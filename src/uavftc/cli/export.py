@@ -9,6 +9,12 @@ import typer
 
 from uavftc.cli.options import Quiet
 
+SHORT = "A flight's history as CSV, or for MATLAB."
+EXAMPLES = (
+    "uavftc export results/scenario3-nndondi-l1-jsbsim --csv scenario3.csv",
+    "uavftc export results/mine --mat mine.mat",
+)
+
 
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A result folder: of fly or compare.")],
@@ -25,8 +31,7 @@ def export(
 ) -> None:
     """Write the history of DIR, every signal at every sample, for other programs; every number reads back the same.
 
-    Of a comparison each flight has a file of its own, named FILE-<plant>-<controller>. Examples:
-    uavftc export results/scenario3-nndondi-l1-jsbsim --csv scenario3.csv; uavftc export results/mine --mat mine.mat.
+    Of a comparison each flight has a file of its own, named FILE-<plant>-<controller>.
 
     Exit code 0: written. 2: the folder is not one of a flight or a comparison, or a file is there already; nothing is
     written.

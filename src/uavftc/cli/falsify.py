@@ -8,13 +8,25 @@ from typing import Annotated, Literal, Optional
 
 import typer
 
+from uavftc.cli import complete
 from uavftc.cli.options import NoPlots, Quiet
 from uavftc.cli.outcome import UNEXPECTED
+
+SHORT = "Search a campaign's ranges for what breaks a controller."
+EXAMPLES = (
+    "uavftc falsify falsify-paper --budget 200",
+    "uavftc falsify falsify-paper --objective nearest --out results/nearest",
+)
 
 
 def falsify(
     campaign: Annotated[
-        str, typer.Argument(metavar="CAMPAIGN", help="A campaign file, or the name of a shipped one (falsify-paper).")
+        str,
+        typer.Argument(
+            metavar="CAMPAIGN",
+            help="A campaign file, or the name of a shipped one (falsify-paper).",
+            autocompletion=complete.campaign,
+        ),
     ],
     budget: Annotated[int, typer.Option(min=1, metavar="N", help="Flights of each controller.")] = 500,
     objective: Annotated[

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 import functools
+import json
+import shlex
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
+from uavftc.cli import complete
 from uavftc.cli.options import AircraftName, NoPlots, Overrides, PlantName, Quiet, Report, ScenarioName, default_folder
 from uavftc.cli.outcome import BROKEN, INTERRUPTED, LOST, UNEXPECTED, missing_lines
 
 if TYPE_CHECKING:
     from uavftc.jobs.fly import Page
+
+
+SHORT = "Fly a scenario: table, verdict, history, figures."
+EXAMPLES = (
+    "uavftc fly scenario3",
+    "uavftc fly scenario3 --controller pid --set 'faults[1].effectiveness=0.2'",
+)
 
 
 def fly(
@@ -23,7 +34,8 @@ def fly(
     controller: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(
-            help="nndondi-l1, ndi-l1, nndondi-mrac, ndi-mrac; pid, lqi; or a custom one: ./file.py, pkg.module."
+            help="nndondi-l1, ndi-l1, nndondi-mrac, ndi-mrac; pid, lqi; or a custom one: ./file.py, pkg.module.",
+            autocompletion=complete.controller,
         ),
     ] = None,
     overrides: Overrides = None,
@@ -38,6 +50,7 @@ def fly(
     ] = False,
     report: Report = False,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 4 where a requirement is broken.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print summary.json, and nothing else, on stdout.")] = False,
 ) -> None:
     """Fly SCENARIO and write table, history and figures of the flight.
 
@@ -74,11 +87,15 @@ def fly(
         twin=twin,
         page=page,
     )
+    if as_json:
+        print(json.dumps(document, indent=2, allow_nan=False))
     if not quiet:
         from uavftc.report.console import Terminal  # noqa: PLC0415
         from uavftc.report.table import print_result  # noqa: PLC0415
 
-        print_result(Terminal(), document, folder, aside=Terminal(stderr=True))
+        print_result(Terminal(stderr=as_json), document, folder, aside=Terminal(stderr=True))
+        for line in next_steps(document, [scenario, *_given(aircraft, overrides)], folder):
+            print(f"next: {line}", file=sys.stderr)
     lacking = missing_lines(document, folder)
     for line in lacking:
         print(line, file=sys.stderr)
@@ -90,3 +107,25 @@ def fly(
         raise typer.Exit(UNEXPECTED)
     if strict and document["verdict"]["outcome"] != "survived":
         raise typer.Exit(BROKEN)
+
+
+def next_steps(document: Mapping[str, Any], scenario: Sequence[str], folder: Path) -> list[str]:
+    """Return what the user may want to do after a flight, as commands."""
+    verdict = document["verdict"]
+    if verdict is None:
+        return []
+    name = shlex.join(scenario)
+    if verdict["outcome"] == "survived":
+        page = f"uavftc report {shlex.quote(str(folder))}  (one page, to zoom and play)"
+        return [] if (folder / "report.html").exists() else [page]
+    if verdict["outcome"] == "numerical":
+        return [f"uavftc fly {name} --set simulation.substeps=N  (with smaller plant steps)"]
+    return [
+        f"uavftc survivable {name}  (could any controller hold it?)",
+        f"uavftc fly {name} --twin  (what did each fault do?)",
+    ]
+
+
+def _given(aircraft: str | None, overrides: Sequence[str] | None) -> list[str]:
+    """Return the options by which the scenario was changed, and other commands take too."""
+    return [*([] if aircraft is None else ["--aircraft", aircraft]), *(f"--set={one}" for one in overrides or ())]

@@ -21,6 +21,12 @@ from uavftc.cli.options import (
 )
 from uavftc.cli.outcome import UNEXPECTED
 
+SHORT = "Find how much delay, gain, noise or fault it takes to fail."
+EXAMPLES = (
+    "uavftc margin scenario2 --controllers nndondi-l1,pid --quantity delay",
+    "uavftc margin scenario3 --over 'faults[3].effectiveness=0..1'",
+)
+
 
 def margin(
     scenario: ScenarioName,

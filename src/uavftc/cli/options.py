@@ -7,13 +7,27 @@ from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli import complete
+
 ScenarioName = Annotated[
-    str, typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of a shipped one (scenario3).")
+    str,
+    typer.Argument(
+        metavar="SCENARIO",
+        help="A scenario file, or the name of a shipped one (scenario3).",
+        autocompletion=complete.scenario,
+    ),
 ]
-PlantName = Annotated[Optional[str], typer.Option("--plant", help="jsbsim or analytic.")]  # noqa: UP045
+PlantName = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--plant", help="jsbsim or analytic.", autocompletion=complete.plant),
+]
 AircraftName = Annotated[
     Optional[str],  # noqa: UP045
-    typer.Option("--aircraft", help="Name of a shipped aircraft, a folder, or jsbsim:NAME."),
+    typer.Option(
+        "--aircraft",
+        help="Name of a shipped aircraft, a folder, or jsbsim:NAME.",
+        autocompletion=complete.aircraft,
+    ),
 ]
 Controllers = Annotated[
     Optional[str],  # noqa: UP045
@@ -21,11 +35,17 @@ Controllers = Annotated[
         "--controllers",
         metavar="LIST",
         help="Controllers, separated by commas (nndondi-l1,pid,./my.py); default: the scenario's.",
+        autocompletion=complete.controllers,
     ),
 ]
 Overrides = Annotated[
     Optional[list[str]],  # noqa: UP045
-    typer.Option("--set", metavar="KEY=VALUE", help="Change one value, such as faults[0].effectiveness=0.2."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change one value, such as faults[0].effectiveness=0.2.",
+        autocompletion=complete.key,
+    ),
 ]
 NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")]
 Report = Annotated[

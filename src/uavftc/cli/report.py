@@ -9,6 +9,12 @@ import typer
 
 from uavftc.cli.options import Quiet
 
+SHORT = "Write one page to look at, from a result folder."
+EXAMPLES = (
+    "uavftc report results/scenario3-nndondi-l1-jsbsim",
+    "uavftc report results/sweep-paper-faults",
+)
+
 
 def report(
     folder: Annotated[
@@ -18,8 +24,7 @@ def report(
 ) -> None:
     """Write report.html into DIR: one page with plots to zoom, verdict, tables and, of a flight, a moving view.
 
-    It needs the extra 'report' (pip install 'uavftc[report]'), and no network to be read. Examples:
-    uavftc report results/scenario3-nndondi-l1-jsbsim; uavftc report results/sweep-paper-faults.
+    It needs the extra 'report' (pip install 'uavftc[report]'), and no network to be read.
 
     Exit code 0: written. 2: the folder is not one of uavftc's, was edited, or has nothing to show; nothing is changed.
     """

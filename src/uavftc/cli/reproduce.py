@@ -18,6 +18,13 @@ if TYPE_CHECKING:
 _PLANTS = {"analytic": ("analytic",), "jsbsim": ("jsbsim",), "both": ("analytic", "jsbsim")}
 
 
+SHORT = "The paper's tables and figures, printed next to ours."
+EXAMPLES = (
+    "uavftc reproduce",
+    "uavftc reproduce --no-plots --out results/paper",
+)
+
+
 def reproduce(
     plant: Annotated[str, typer.Option(help="analytic, jsbsim or both.")] = "both",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Result folder.")] = Path("results/reproduce"),

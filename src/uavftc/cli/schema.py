@@ -7,6 +7,9 @@ from typing import Annotated, Optional
 
 import typer
 
+SHORT = "JSON Schema of scenarios, campaigns, aircraft, for editors."
+EXAMPLES = ("uavftc schema scenario --out scenario.schema.json", "uavftc schema aircraft")
+
 
 def schema(
     file: Annotated[str, typer.Argument(metavar="[scenario|campaign|aircraft]", help="Of which kind of file.")] = (
@@ -19,8 +22,7 @@ def schema(
 ) -> None:
     """Print the JSON Schema (draft 2020-12) of scenarios, campaigns or companion files of aircraft.
 
-    An editor with it completes keys, shows what they mean, and marks what is wrong (docs/editor.md). Examples:
-    uavftc schema scenario --out scenario.schema.json; uavftc schema aircraft.
+    An editor with it completes keys, shows what they mean, and marks what is wrong (docs/editor.md).
 
     Exit code 0: printed or written. 2: there is no such kind of file, or FILE cannot be written.
     """

@@ -14,6 +14,12 @@ from uavftc.cli.options import AircraftName, NoPlots, Overrides, PlantName, Quie
 from uavftc.cli.outcome import UNEXPECTED
 from uavftc.errors import InputError
 
+SHORT = "Could any controller hold it, with what is left?"
+EXAMPLES = (
+    "uavftc survivable beyond/engine-loss",
+    "uavftc survivable beyond/fault-hardover-stop --json",
+)
+
 
 def survivable(
     scenario: ScenarioName,

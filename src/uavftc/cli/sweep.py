@@ -8,13 +8,25 @@ from typing import Annotated, Optional
 
 import typer
 
+from uavftc.cli import complete
 from uavftc.cli.options import Quiet
 from uavftc.cli.outcome import UNEXPECTED
+
+SHORT = "Fly a campaign: thousands of random cases in one table."
+EXAMPLES = (
+    "uavftc sweep paper-faults --set cases=60",
+    "uavftc sweep my-campaign.yaml --out results/mine --resume",
+)
 
 
 def sweep(
     campaign: Annotated[
-        str, typer.Argument(metavar="CAMPAIGN", help="A campaign file, or the name of a shipped one (paper-faults).")
+        str,
+        typer.Argument(
+            metavar="CAMPAIGN",
+            help="A campaign file, or the name of a shipped one (paper-faults).",
+            autocompletion=complete.campaign,
+        ),
     ],
     workers: Annotated[
         Optional[int],  # noqa: UP045

@@ -12,6 +12,12 @@ import typer
 from uavftc.cli.options import NoPlots, Quiet
 from uavftc.cli.outcome import UNEXPECTED
 
+SHORT = "Success, pairs, sensitivity and worst cases of a campaign."
+EXAMPLES = (
+    "uavftc sweep-report results/sweep-paper-faults",
+    "uavftc sweep-report results/sweep-paper-faults --json > report.json",
+)
+
 
 def sweep_report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder that uavftc sweep wrote to.")],

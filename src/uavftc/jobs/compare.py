@@ -11,7 +11,9 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any, get_args
 
+from uavftc.analysis.response import response_s, unequal
 from uavftc.control.custom.module import is_path, is_there, registered
+from uavftc.core.signals import AXES
 from uavftc.errors import InputError
 from uavftc.jobs.campaign.pool import fly_one
 from uavftc.jobs.variants import variants_of
@@ -235,9 +237,20 @@ def document_of(
         "completed": all(flight["completed"] for flight in flights),
         "combinations": flights,
         "distances": distances(flown),
-        "warnings": list(dict.fromkeys(warning for flight in flights for warning in flight["warnings"])),
+        "warnings": [*dict.fromkeys(warning for flight in flights for warning in flight["warnings"]), *speeds(flown)],
         "provenance": {key: value for key, value in origin.items() if key not in ("scenario_sha256", "plant_settings")},
     }
+
+
+def speeds(flown: Mapping[Key, FlightResult]) -> list[str]:
+    """Return a line for each plant on which the controllers answer a step at different speeds."""
+    found = []
+    for plant in dict.fromkeys(plant for plant, _ in flown):
+        some = {name: result.history for (on, name), result in flown.items() if on == plant and result.history}
+        times = {name: {axis: response_s(history, axis) for axis in AXES} for name, history in some.items()}
+        if (line := unequal(times)) is not None:
+            found.append(f"{plant}: {line}")
+    return found
 
 
 def distances(flown: Mapping[Key, FlightResult]) -> list[dict[str, Any]]:
