@@ -30,12 +30,11 @@ from uavftc.report.page.view import SPAN_M, Sketch
 from uavftc.results.added import add_file, own_summary
 from uavftc.results.flight import FlightResult
 from uavftc.results.history import read_history
-from uavftc.results.saved import result_of
+from uavftc.results.loaded import HISTORY, SCENARIO, result_of
 from uavftc.scenario.load import controller_name, load_scenario, scenario_text
 from uavftc.scenario.schema import Scenario
 
 NAME = "report.html"
-HISTORY, SCENARIO = "history.parquet", "scenario.yaml"
 
 
 def report(folder: Path) -> Path:

@@ -9,6 +9,7 @@ from typing import Any
 from uavftc.analysis.requirements import Met
 from uavftc.analysis.verdict import FLOWN
 from uavftc.config.document import Document, parse
+from uavftc.core.layout import Layout
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import Outcome
@@ -107,26 +108,34 @@ def result_of_history(file: Path, document: Mapping[str, Any], scenario: Scenari
     if scenario is None:
         scenario = scenario_of(Document(*_parsed(file)))
     flight = build_flight(scenario)
-    timing, known = document["timing"], len(warnings(flight.scenario))
+    return result_of(document, flight.scenario, flight.layout)._replace(history=history)
+
+
+def result_of(document: Mapping[str, Any], scenario: Scenario, layout: Layout) -> FlightResult:
+    """Return what was kept of a flight, without its history, from its part of a summary.
+
+    Parameters
+    ----------
+    document
+        Of `summary.json`, or one of its `combinations`.
+    scenario
+        As flown.
+    layout
+        The effectors of the aircraft.
+    """
+    timing, known = document["timing"], len(warnings(scenario))
     outcome = Outcome(
         completed=document["completed"],
         ended_because=document["ended_because"],
         ended_at_s=document["ended_at_s"],
         interrupted=document.get("verdict") is None,
-        rows=len(history["time_s"]),
+        rows=timing["controller_steps"] + 1,
         wall_s=timing["flight_wall_s"],
         numerical=document.get("numerical", False),
     )
-    return FlightResult(
-        flight.scenario,
-        outcome,
-        document["axes"],
-        history,
-        document["provenance"],
-        tuple(document["warnings"][known:]),
-        flight.layout,
-        met_of(document),
-    )
+    remarks = tuple(document["warnings"][known:])
+    origin, met = document["provenance"], met_of(document)
+    return FlightResult(scenario, outcome, document["axes"], None, origin, remarks, layout, met)
 
 
 def _parsed(file: Path) -> tuple[dict[str, Any], str, dict[Any, str]]:
