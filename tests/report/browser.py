@@ -51,6 +51,15 @@ class Page:
         self.driver.get(path.resolve().as_uri())
         return float(self.until("return document.documentElement.dataset.drawn"))
 
+    def processor_s(self) -> float:
+        """Return the processor time that the main thread of the page has taken so far, s; call `count` before."""
+        found = self.driver.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
+        return float(next(one["value"] for one in found if one["name"] == "TaskDuration"))
+
+    def count(self) -> None:
+        """Count processor time from now on."""
+        self.driver.execute_cdp_cmd("Performance.enable", {"timeDomain": "threadTicks"})
+
     def until(self, script: str, within_s: float = DRAWN_WITHIN_S) -> Any:
         """Return what a script returns as soon as that is something."""
         end = time.monotonic() + within_s
