@@ -14,9 +14,11 @@ _PUBLIC = {
     "compare": "uavftc.api.doors",
     "design": "uavftc.api.doors",
     "load": "uavftc.api.doors",
+    "sweep": "uavftc.api.campaign",
     "Flight": "uavftc.api.flight",
     "Comparison": "uavftc.api.comparison",
     "Design": "uavftc.api.design",
+    "CampaignResult": "uavftc.api.campaign",
     "Scenario": "uavftc.scenario.schema",
     "load_scenario": "uavftc.scenario.load",
     "make_scenario": "uavftc.scenario.load",
@@ -33,6 +35,8 @@ __all__ = [*_PUBLIC, "__version__"]  # noqa: PLE0604
 
 if TYPE_CHECKING:
     from uavftc.analysis.metrics import metrics_of as metrics_of
+    from uavftc.api.campaign import CampaignResult as CampaignResult
+    from uavftc.api.campaign import sweep as sweep
     from uavftc.api.comparison import Comparison as Comparison
     from uavftc.api.design import Design as Design
     from uavftc.api.doors import compare as compare

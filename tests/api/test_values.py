@@ -161,6 +161,19 @@ def test_a_variant_is_flown_next_to_its_controller() -> None:
     assert both["fast"].scenario.controller.inner.filter_bandwidth == 120
 
 
+def test_a_campaign_is_flown_into_a_folder_and_loaded(tmp_path: Path) -> None:
+    base = "{base: scenario1, name: few, cases: 3, plants: [analytic], vary: {reference.phi_deg: {uniform: [1, 5]}}}"
+    (tmp_path / "few.yaml").write_text(base, encoding="utf-8")
+    flown = uavftc.sweep(tmp_path / "few.yaml", set={"seed": np.int64(3)}, workers=1, out=tmp_path / "out")
+    assert flown.flights.num_rows == 3
+    again = uavftc.load(tmp_path / "out")
+    assert isinstance(again, uavftc.CampaignResult)
+    assert again.flights.equals(flown.flights)
+    assert again.to_pandas()["margin"].between(-2, 1).all()
+    with pytest.raises(uavftc.InputError, match="did you mean cases"):
+        uavftc.sweep(tmp_path / "few.yaml", set={"cases_": 3})
+
+
 def test_a_design_has_matrices_as_arrays() -> None:
     # the control matrix of hale about its trim is the B_m that its companion file claims, within 1e-6
     design = uavftc.design("hale")

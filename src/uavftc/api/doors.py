@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from uavftc.api.campaign import CampaignResult
 from uavftc.api.comparison import Comparison
 from uavftc.api.design import Design
 from uavftc.api.flight import Flight
@@ -16,7 +17,7 @@ from uavftc.errors import InputError
 from uavftc.jobs.campaign.pool import fly_one
 from uavftc.jobs.compare import Key, fly_combinations, load_combinations
 from uavftc.results.flight import FlightResult
-from uavftc.results.loaded import COMPARISON, FLIGHT, kind_of, read_document, read_result, result_of_history
+from uavftc.results.loaded import CAMPAIGN, COMPARISON, FLIGHT, kind_of, read_document, read_result, result_of_history
 from uavftc.scenario.load import load_scenario
 from uavftc.scenario.schema import Scenario
 
@@ -134,8 +135,8 @@ def design(
     return Design(design_document(source.aircraft, scenario=source))
 
 
-def load(folder: str | os.PathLike[str]) -> Flight | Comparison:
-    """Return the flight or the comparison that was saved to a folder, by Python or by a command.
+def load(folder: str | os.PathLike[str]) -> Flight | Comparison | CampaignResult:
+    """Return the flight, comparison or campaign that was saved to a folder, by Python or by a command.
 
     Raises
     ------
@@ -149,11 +150,13 @@ def load(folder: str | os.PathLike[str]) -> Flight | Comparison:
         return Flight(read_result(path))
     if kind == COMPARISON:
         return Comparison(*_combinations(path, document))
+    if kind == CAMPAIGN:
+        return CampaignResult(path)
     raise InputError(
         str(path),
         found="the result of another job",
-        expected="the result folder of a flight or of a comparison",
-        remedy="name a folder that uavftc-fly or uavftc compare wrote",
+        expected="the result folder of a flight, a comparison or a campaign",
+        remedy="name a folder that uavftc-fly, uavftc compare or uavftc sweep wrote",
     )
 
 

@@ -40,16 +40,7 @@ class History(Mapping[str, np.ndarray]):
         InputError
             If pandas is not installed.
         """
-        try:
-            pandas: Any = importlib.import_module("pandas")  # an extra
-        except ImportError:
-            raise InputError(
-                "History.to_pandas",
-                found="no pandas in this environment",
-                expected="pandas, which uavftc does not need for itself",
-                remedy="pip install pandas",
-            ) from None
-        return pandas.DataFrame(self._columns).set_index("time_s")
+        return to_pandas(self._columns, "History.to_pandas").set_index("time_s")
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`."""
@@ -65,3 +56,23 @@ class History(Mapping[str, np.ndarray]):
         rows = [(name, float(y[0]), float(np.nanmin(y)), float(np.nanmax(y)), float(y[-1]))
                 for name, y in self._columns.items() if np.isfinite(y).any()]  # fmt: skip
         return table(["column", "first", "least", "greatest", "last"], rows, repr(self).partition(":")[0])
+
+
+def to_pandas(columns: Mapping[str, Any], where: str) -> Any:
+    """Return columns as a `pandas.DataFrame`.
+
+    Raises
+    ------
+    InputError
+        If pandas is not installed; `where` was asked for it.
+    """
+    try:
+        pandas: Any = importlib.import_module("pandas")  # an extra
+    except ImportError:
+        raise InputError(
+            where,
+            found="no pandas in this environment",
+            expected="pandas, which uavftc does not need for itself",
+            remedy="pip install pandas",
+        ) from None
+    return pandas.DataFrame(columns)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -19,8 +19,8 @@ from uavftc.config.explain import explain
 from uavftc.config.values import Model, NonNegative, Number, Positive, Problem, Whole, is_number, refusal
 from uavftc.control.custom.module import is_path
 from uavftc.errors import InputError, join
-from uavftc.scenario.load import find_scenario, load_scenario, read_document
-from uavftc.scenario.overrides import apply
+from uavftc.scenario.load import find_scenario, load_scenario, plain_data, read_document
+from uavftc.scenario.overrides import apply, put
 from uavftc.scenario.schema import Scenario
 
 FOLDER = "campaigns"
@@ -265,7 +265,7 @@ class Campaign(Model):
         return load_scenario(self.base_file, controller=controller, plant=plant, aircraft=aircraft)
 
 
-def load_campaign(source: str | Path, overrides: Sequence[str] = ()) -> Campaign:
+def load_campaign(source: str | Path, overrides: Sequence[str] = (), set: Mapping[str, Any] | None = None) -> Campaign:
     """Read, change and check the file of a campaign.
 
     Parameters
@@ -274,6 +274,8 @@ def load_campaign(source: str | Path, overrides: Sequence[str] = ()) -> Campaign
         A YAML file, or the name of a shipped campaign.
     overrides
         ``key=value`` each, value in YAML.
+    set
+        Values by dotted key.
 
     Raises
     ------
@@ -284,6 +286,8 @@ def load_campaign(source: str | Path, overrides: Sequence[str] = ()) -> Campaign
     document = read_document(path, what="campaign")
     for override in overrides:
         apply(document, override)
+    for key, value in (set or {}).items():
+        put(document, key, plain_data(value), f"{key} = {value!r}"[:200])
     try:
         campaign = Campaign.model_validate(document.data)
     except ValidationError as error:
