@@ -8,9 +8,11 @@ The text is read once into a tree of NumPy operations; it is never evaluated as 
 from __future__ import annotations
 
 import ast
+import operator
 import re
 from collections.abc import Callable, Collection, Mapping
 from functools import reduce
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,8 +52,8 @@ _NUMBER = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = re.compile(r"[^\W\d]\w*")
 _BLANK = " \t\r\n"
 
-Node = Callable[[Mapping[str, np.ndarray]], np.ndarray]
-"""Given the values of the names, arrays of one shape, returns those of the expression."""
+Node = Callable[[Mapping[str, Any]], Any]
+"""Given the values of the names, arrays of one shape or numbers, returns those of the expression."""
 
 
 class Expression:
@@ -143,8 +145,31 @@ def _parse(line: str) -> ast.expr:
         raise ValueError("the expression is nested too deeply") from None
 
 
-def build(node: ast.expr, line: str, depth: int, names: Collection[str]) -> Node:
-    """Return the NumPy function of a syntax tree that may name `names`; `line` is pure ASCII, so columns are positions.
+class Arithmetic(NamedTuple):
+    """What an expression is made of: of arrays, or of Python's own numbers, which take a tenth of the time."""
+
+    constant: Callable[[float], Any]
+    binary: Mapping[type[ast.operator], Callable[..., Any]]
+    functions: Mapping[str, Callable[..., Any]]
+
+
+ARRAYS = Arithmetic(lambda number: np.array(number, dtype=np.float64), _BINARY, FUNCTIONS)
+NUMBERS = Arithmetic(
+    float,
+    {
+        ast.Add: operator.add,
+        ast.Sub: operator.sub,
+        ast.Mult: operator.mul,
+        ast.Div: operator.truediv,
+        ast.Pow: np.power,
+    },
+    {**FUNCTIONS, "abs": abs, "min": min, "max": max},
+)
+"""The same bits where no number is nan and nothing is divided by 0, which raises here."""
+
+
+def build(node: ast.expr, line: str, depth: int, names: Collection[str], of: Arithmetic = ARRAYS) -> Node:
+    """Return the function of a syntax tree that may name `names`; `line` is pure ASCII, so columns are positions.
 
     Raises
     ------
@@ -157,35 +182,36 @@ def build(node: ast.expr, line: str, depth: int, names: Collection[str]) -> Node
 
     match node:
         case ast.Constant(value=int() | float() as number):
-            constant = np.array(number, dtype=np.float64)
+            constant = of.constant(number)
             return lambda given: constant
         case ast.Name(id="pi"):
-            return lambda given: np.array(np.pi)
+            pi = of.constant(np.pi)
+            return lambda given: pi
         case ast.Name(id=name) if name in names:
             return lambda given: given[name]
         case ast.Name(id=name):
             raise fail(f"'{name}' is a function: write {name}(...)", line, start, length)
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-            return build(operand, line, depth + 1, names)
+            return build(operand, line, depth + 1, names, of)
         case ast.UnaryOp(op=ast.USub(), operand=operand):
-            inner = build(operand, line, depth + 1, names)
-            return lambda given: np.negative(inner(given))
+            inner = build(operand, line, depth + 1, names, of)
+            return lambda given: -inner(given)
         case ast.BinOp(op=op, left=left, right=right) if type(op) in _BINARY:
-            operation = _BINARY[type(op)]
-            a, b = build(left, line, depth + 1, names), build(right, line, depth + 1, names)
+            operation = of.binary[type(op)]
+            a, b = build(left, line, depth + 1, names, of), build(right, line, depth + 1, names, of)
             return lambda given: operation(a(given), b(given))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
             variadic = name in ("min", "max")
             if (len(args) < 2) if variadic else (len(args) != 1):
                 expected = "two or more arguments" if variadic else "exactly one argument"
                 raise fail(f"{name} takes {expected}, not {len(args)}", line, start, length)
-            return _call(FUNCTIONS[name], [build(a, line, depth + 1, names) for a in args])
+            return _call(of.functions[name], [build(a, line, depth + 1, names, of) for a in args])
         case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
             raise fail(f"'{name}' is not a function", line, start, len(name))
     raise fail(f"'{line[start : start + length][:40]}' is not allowed", line, start, length)
 
 
-def _call(function: np.ufunc, args: list[Node]) -> Node:
+def _call(function: Callable[..., Any], args: list[Node]) -> Node:
     if len(args) == 1:
         argument = args[0]
         return lambda given: function(argument(given))

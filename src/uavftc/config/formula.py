@@ -27,7 +27,17 @@ import numpy as np
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from uavftc.config.expression import FUNCTIONS, MAX_DEPTH, MAX_LENGTH, build, check_tokens, fail
+from uavftc.config.expression import (
+    ARRAYS,
+    FUNCTIONS,
+    MAX_DEPTH,
+    MAX_LENGTH,
+    NUMBERS,
+    Arithmetic,
+    build,
+    check_tokens,
+    fail,
+)
 
 WORDS = ("and", "or", "not", "implies")
 KNOWN = (
@@ -35,8 +45,8 @@ KNOWN = (
 )
 _IMPLIES = "if 0 else"  # Python's operator that binds least, and to the right
 
-_Values = Mapping[str, np.ndarray]
-_Robustness = Callable[[_Values, "float | None"], np.ndarray]
+_Values = Mapping[str, Any]
+_Robustness = Callable[[_Values, "float | None"], Any]
 
 
 class Formula:
@@ -53,7 +63,7 @@ class Formula:
         If the text is not a formula as described above. The message names the offending part.
     """
 
-    __slots__ = ("_node", "names", "text", "unscaled")
+    __slots__ = ("_node", "_number", "names", "text", "unscaled")
 
     names: tuple[str, ...]
     """Signals in it, in the order of the text."""
@@ -66,7 +76,7 @@ class Formula:
         if not text.strip():
             raise ValueError("the formula is empty")
         self.text = text
-        line = re.sub(r"[ \t\r\n]", " ", text).strip(" ")
+        line = _blanks(text)
         check_tokens(line, None, " +-*/(),<>=")
         for word in re.finditer(r"[^\W\d]\w*", line):
             if keyword.iskeyword(word.group()) and word.group() not in WORDS:
@@ -80,9 +90,10 @@ class Formula:
         )
         self.names = tuple(dict.fromkeys(name for _, name in found if name not in (*FUNCTIONS, "pi")))
         self.unscaled = None
+        self._number: _Robustness | None = None
         self._node = self._formula(tree, line, 0)
 
-    def robustness(self, values: _Values, scale: float | None = None) -> np.ndarray:
+    def robustness(self, values: Mapping[str, np.ndarray], scale: float | None = None) -> np.ndarray:
         """Return the robustness at each sample.
 
         Parameters
@@ -102,6 +113,19 @@ class Formula:
                 found = np.where(np.isnan(found), -np.inf, found)
         return found
 
+    def at(self, values: Mapping[str, float], scale: float | None = None) -> float:
+        """Return the robustness at one sample, of numbers by name: that of `robustness`, in a tenth of its time."""
+        if self._number is None:
+            line = _blanks(self.text)
+            self._number = self._formula(_parse(line), line, 0, NUMBERS)
+        try:
+            found: float = self._number(values, scale)
+            if not any(values[name] != values[name] for name in self.names):  # only nan is not itself
+                return found
+        except ArithmeticError:
+            pass
+        return float(self.robustness({name: np.array([values[name]]) for name in self.names}, scale)[0])
+
     def __repr__(self) -> str:
         return f"Formula({self.text!r})"
 
@@ -114,33 +138,37 @@ class Formula:
     def __reduce__(self) -> tuple[type[Formula], tuple[str]]:  # the tree is made of closures: rebuild it
         return Formula, (self.text,)
 
-    def _formula(self, node: ast.expr, line: str, depth: int) -> _Robustness:
+    def _formula(self, node: ast.expr, line: str, depth: int, of: Arithmetic = ARRAYS) -> _Robustness:
         if depth > MAX_DEPTH:
             raise ValueError(f"the formula is nested too deeply: at most {MAX_DEPTH} operations within each other")
         match node:
             case ast.IfExp(body=left, orelse=right):
-                a, b = self._formula(left, line, depth + 1), self._formula(right, line, depth + 1)
-                return lambda values, scale: np.maximum(-a(values, scale), b(values, scale))
+                a, b = self._formula(left, line, depth + 1, of), self._formula(right, line, depth + 1, of)
+                most = of.functions["max"]
+                return lambda values, scale: most(-a(values, scale), b(values, scale))
             case ast.BoolOp(op=op, values=parts):
-                joined = np.minimum if isinstance(op, ast.And) else np.maximum
-                nodes = [self._formula(part, line, depth + 1) for part in parts]
+                joined = of.functions["min" if isinstance(op, ast.And) else "max"]
+                nodes = [self._formula(part, line, depth + 1, of) for part in parts]
                 return lambda values, scale: reduce(joined, [n(values, scale) for n in nodes])
             case ast.UnaryOp(op=ast.Not(), operand=operand):
-                inner = self._formula(operand, line, depth + 1)
+                inner = self._formula(operand, line, depth + 1, of)
                 return lambda values, scale: -inner(values, scale)
             case ast.Compare(left=left, ops=ops, comparators=others):
                 sides = [left, *others]
                 pairs = zip(sides, ops, sides[1:], strict=False)
-                found = [self._comparison(a, op, b, line, depth + 1) for a, op, b in pairs]
-                return lambda values, scale: reduce(np.minimum, [n(values, scale) for n in found])
+                found = [self._comparison(a, op, b, line, depth + 1, of) for a, op, b in pairs]
+                least = of.functions["min"]
+                return lambda values, scale: reduce(least, [n(values, scale) for n in found])
         start, length = node.col_offset, (node.end_col_offset or 0) - node.col_offset
         raise fail("this has no <= or >=, so nothing says when it holds", line, start, length)
 
-    def _comparison(self, left: ast.expr, op: ast.cmpop, right: ast.expr, line: str, depth: int) -> _Robustness:
+    def _comparison(
+        self, left: ast.expr, op: ast.cmpop, right: ast.expr, line: str, depth: int, of: Arithmetic
+    ) -> _Robustness:
         if not isinstance(op, ast.LtE | ast.GtE | ast.Lt | ast.Gt):
             raise fail("only <=, >=, < and > can be here", line, left.end_col_offset or 0, 2)
         less, greater = (left, right) if isinstance(op, ast.LtE | ast.Lt) else (right, left)
-        low, high = build(less, line, depth, self.names), build(greater, line, depth, self.names)
+        low, high = build(less, line, depth, self.names, of), build(greater, line, depth, self.names, of)
         limits = [side for side in (less, greater) if not _changes(side)]
         if len(limits) == 2:
             start, length = left.col_offset, (right.end_col_offset or 0) - left.col_offset
@@ -175,6 +203,11 @@ class Formula:
             return formula_of(value)
         except ValueError as error:
             raise PydanticCustomError("formula", "{problem}", {"problem": str(error)}) from None
+
+
+def _blanks(text: str) -> str:
+    """Return a text on one line."""
+    return re.sub(r"[ \t\r\n]", " ", text).strip(" ")
 
 
 @lru_cache(maxsize=1000)

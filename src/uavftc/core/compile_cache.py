@@ -17,7 +17,9 @@ import numba
 
 from uavftc.core import cache
 
-COMPILED = ("core", "control", "sensors", "actuators", "environment", "plants", "flight/envelope.py", "stage.py")
+COMPILED = (
+    "core", "control", "sensors", "actuators", "environment", "plants", "flight/envelope.py", "gym/look.py", "stage.py",
+)  # fmt: skip
 """Where this project's compiled code lives."""
 
 

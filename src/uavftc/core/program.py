@@ -106,6 +106,21 @@ class Program:
                 return block
         raise KeyError(f"no compiled block {name} among {', '.join(self.names)}")
 
+    def split(self, name: str) -> tuple[Program, Program]:
+        """Return the program in two, on the same memory: what runs on a row before the block named, and the rest.
+
+        Raises
+        ------
+        KeyError
+            If none of the blocks before a plant step has this name.
+        """
+        once = len(self.blocks) - self._repeated
+        if name not in self.names[:once]:
+            raise KeyError(f"no block {name} before a plant step among {', '.join(self.names)}")
+        at = self.names.index(name)
+        rest = self.blocks[once:]
+        return Program(self.blocks[:at]), Program(self.blocks[at:once], rest, substeps=self._substeps)  # type: ignore[arg-type]
+
     def on(self, rows: np.ndarray) -> Run:
         """Return the program bound to the rows of one chunk, shape (n, width): what is called every sample."""
         if self._rows is not rows:

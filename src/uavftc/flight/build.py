@@ -18,7 +18,9 @@ from uavftc.aircraft.definition import Aircraft, load_aircraft
 from uavftc.analysis.derived import Known
 from uavftc.analysis.requirements import Monitor, Requirement
 from uavftc.config.effect import Effect, config_of
+from uavftc.control import agent as agents
 from uavftc.control import allocation, uncontrolled
+from uavftc.control.agent import Agent
 from uavftc.control.custom.controller import Custom, custom_controller
 from uavftc.control.custom.measured import Aboard
 from uavftc.core.axes import Controlled
@@ -28,6 +30,7 @@ from uavftc.core.layout import Layout, targets_of
 from uavftc.core.program import Program
 from uavftc.core.signals import Column, Shape
 from uavftc.core.stage import Block, params_of
+from uavftc.errors import InputError
 from uavftc.flight import envelope, uncertain
 from uavftc.flight.aboard import aboard_of
 from uavftc.flight.condition import axes_of, check_start, model_of, refuse_uncontrolled
@@ -96,7 +99,7 @@ class Flight:
         return self.controller.remarks()
 
 
-def build_flight(scenario: Scenario, aircraft: Aircraft | None = None) -> Flight:
+def build_flight(scenario: Scenario, aircraft: Aircraft | None = None, agent: Agent | None = None) -> Flight:
     """Return a flight ready to be flown.
 
     Parameters
@@ -105,6 +108,8 @@ def build_flight(scenario: Scenario, aircraft: Aircraft | None = None) -> Flight
         The flight.
     aircraft
         Its aircraft, where it is loaded already and its files have not changed.
+    agent
+        Who commands in place of the inner loop, or assists the controller; None is nobody.
 
     Raises
     ------
@@ -140,7 +145,7 @@ def build_flight(scenario: Scenario, aircraft: Aircraft | None = None) -> Flight
         airspeed_max=scenario.envelope.max_airspeed_mps,
     )
     layout = layout._replace(servos=published(scenario.actuators, given))
-    controller = controller_of(scenario, given, aboard_of(scenario, given, model, layout))
+    controller = controller_of(scenario, given, aboard_of(scenario, given, model, layout), agent)
     layout = layout._replace(signals=controller.signals)
     signals = signals_of(scenario, layout, given)
     requirements = asked(scenario, layout, signals)
@@ -174,16 +179,34 @@ def chain_blocks(chain: Sequence[Effect], scenario: Scenario, given: Given) -> l
     return [block for effect in chain for block in effect.blocks(config_of(effect, scenario), given)]
 
 
-def controller_of(scenario: Scenario, given: Given, aboard: Aboard) -> Custom:
-    """Return the controller: outer and inner loop, or a custom module."""
+def controller_of(scenario: Scenario, given: Given, aboard: Aboard, agent: Agent | None = None) -> Custom:
+    """Return the controller: outer and inner loop, or a custom module; with an agent where there is one.
+
+    Raises
+    ------
+    InputError
+        If an agent is to replace the inner loop of a controller that has none.
+    """
+    if agent is not None:
+        assisted = _without_agent(scenario, given, aboard, replaced=agent.mode == agents.REPLACE)
+        return assisted._replace(blocks=[*assisted.blocks, *agents.blocks(agent, given)])
+    return _without_agent(scenario, given, aboard)
+
+
+def _without_agent(scenario: Scenario, given: Given, aboard: Aboard, *, replaced: bool = False) -> Custom:
+    """Return the controller, without its inner loop where that is `replaced`."""
     controller = scenario.controller
     if isinstance(controller, CustomController):
+        if replaced:
+            found, remedy = f"the controller {controller.kind}, which has none", "assist it, or name nndondi-l1"
+            raise InputError("the agent", found=found, expected="an inner loop to replace", remedy=remedy)
         return custom_controller(
             controller.kind, given, controller.options, aboard=aboard, timeout_s=controller.timeout_s
         )
     loops = [
         (kinds(part)[loop.kind], loop) for part, loop in (("outer", controller.outer), ("inner", controller.inner))
     ]
+    loops = loops[:1] if replaced else loops
     return Custom([block for law, loop in loops for block in law.blocks(loop, given)], [])
 
 

@@ -199,6 +199,9 @@ class AnalyticPlant:
         """Return the block that integrates over a plant step."""
         return [stage.block(self._params, self._state, name="plant")]
 
+    def look(self) -> None:
+        """Do nothing: the state is there."""
+
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1` in one compiled call, or in one more for each change of J."""
         if self._schedule is not None:

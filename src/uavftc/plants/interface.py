@@ -58,5 +58,8 @@ class Plant(Protocol):
     def after(self) -> list[Block]:
         """Return the blocks that run at each plant step, after the actuators."""
 
+    def look(self) -> None:
+        """Take in the vehicle as it is, for blocks of `before` that run before the plant does; `run` does by itself."""
+
     def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
         """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""

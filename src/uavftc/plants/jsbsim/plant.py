@@ -183,10 +183,14 @@ class JSBSimPlant:
         """Return the block that prepares what is written at each frame."""
         return [self._command]
 
-    def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
-        """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
+    def look(self) -> None:
+        """Read the vehicle as it is."""
         self._reading.read()
         self._reading.weigh()
+
+    def run(self, program: Program, rows: np.ndarray, first: int, last: int) -> int:
+        """Fly rows `first` to `last - 1`; return the row at which the vehicle was lost, or `last`."""
+        self.look()
         done = first
         while done < last:  # once, where there is no event
             struck = self._events.write(self._row)  # from the next frame on the mass may be another
