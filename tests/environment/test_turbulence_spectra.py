@@ -12,7 +12,7 @@ At 200 Hz, the rate of a flight, it is below 0.2 dB, which test_turbulence.py ch
 With K independent periodograms in a band the estimate's own error is 4.34/sqrt(K) dB: 400 seeds make it 0.2 dB in the
 narrowest band, 0.05 to 0.065 rad/s, and 60 seeds 0.35 dB in bands twice as wide. Run with
 
-    python -m pytest -m slow -s tests/environment/test_turbulence_spectra.py
+    python -m pytest -n 0 -m slow -s tests/environment/test_turbulence_spectra.py
 """
 
 from __future__ import annotations

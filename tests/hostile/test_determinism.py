@@ -1,6 +1,6 @@
 """The same flight twice is the same flight, to the last bit: every shipped scenario, controller and plant.
 
-pytest -m slow -s tests/hostile/test_determinism.py       # prints its count
+pytest -n 0 -m slow -s tests/hostile/test_determinism.py       # prints its count
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Whatever happens: the old results or the new ones are there, whole; nothing of the user's is touched; nothing is left
 over, or it is said and the next job removes it. Prints its counts:
 
-    python -m pytest -m slow -s tests/hostile/test_hostile_files.py
+    python -m pytest -n 0 -m slow -s tests/hostile/test_hostile_files.py
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Hostile scenario files and options: each is refused in one complete message, or loads and its text round-trips.
 
-    pytest -m slow -s tests/hostile/test_hostile_scenarios.py       # prints its counts
+    pytest -n 0 -m slow -s tests/hostile/test_hostile_scenarios.py       # prints its counts
 
 Never another exception, never more than two seconds of the processor, and what loads is built and flown for a moment.
 """
