@@ -18,6 +18,7 @@ from uavftc.cli.outcome import BROKEN, INTERRUPTED, LOST, UNEXPECTED, missing_li
 
 if TYPE_CHECKING:
     from uavftc.jobs.fly import Page
+    from uavftc.jobs.live.target import Target
 
 
 SHORT = "Fly a scenario: table, verdict, history, figures."
@@ -49,6 +50,16 @@ def fly(
         bool, typer.Option("--twin", help="Fly the same without faults, too, and show what the faults did.")
     ] = False,
     report: Report = False,
+    live: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(
+            metavar="flightgear[:HOST[:PORT]]", help="Send it to FlightGear while it flies; default 127.0.0.1:5550."
+        ),
+    ] = None,
+    pace: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(metavar="X", help="Seconds of flight in a second; 1.0 with --live, else as fast as it can."),
+    ] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 4 where a requirement is broken.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json, and nothing else, on stdout.")] = False,
 ) -> None:
@@ -65,6 +76,12 @@ def fly(
     name = f"{loaded.name}-{controller_name(loaded)}-{loaded.plant}"
     folder = out if out is not None else default_folder(name, None if aircraft is None else loaded.aircraft)
 
+    shown: tuple[float, Target | None] | None = None
+    if live is not None or pace is not None:
+        from uavftc.jobs.live.pace import checked_pace  # noqa: PLC0415
+        from uavftc.jobs.live.target import target_of  # noqa: PLC0415
+
+        shown = checked_pace(pace), None if live is None else target_of(live)
     page: Page | None = None
     if report:
         from uavftc.jobs.report import page_of_flight  # noqa: PLC0415
@@ -86,6 +103,7 @@ def fly(
         inputs=[find_scenario(scenario)],
         twin=twin,
         page=page,
+        live=shown,
     )
     if as_json:
         print(json.dumps(document, indent=2, allow_nan=False))
@@ -94,6 +112,10 @@ def fly(
         from uavftc.report.table import print_result  # noqa: PLC0415
 
         print_result(Terminal(stderr=as_json), document, folder, aside=Terminal(stderr=True))
+        if shown is not None:
+            from uavftc.jobs.live.pace import lateness_text  # noqa: PLC0415
+
+            print(lateness_text(document["timing"]), file=sys.stderr)
         for line in next_steps(document, [scenario, *_given(aircraft, overrides)], folder):
             print(f"next: {line}", file=sys.stderr)
     lacking = missing_lines(document, folder)

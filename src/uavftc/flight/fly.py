@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import weakref
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -25,6 +25,16 @@ SLICE_ROWS_PYTHON = 16  # where a step in plain Python stands, which may be slow
 
 _flown: weakref.WeakValueDictionary[int, Flight] = weakref.WeakValueDictionary()
 """Flights flown already, by identity: as dataclasses they would be compared array by array."""
+
+
+class Watch(Protocol):
+    """Looks at a flight while it flies; it changes nothing of it."""
+
+    rows: int
+    """How many rows are flown, at most, before it is shown the last of them."""
+
+    def take(self, row: np.void, stop: Callable[[], bool] | None = None) -> float:
+        """Take in a row, and return how long that took, s; give up a wait where `stop` returns true."""
 
 
 class Outcome(NamedTuple):
@@ -51,6 +61,7 @@ def fly(
     progress: Callable[[int], None] | None = None,
     *,
     stop: Callable[[], bool] | None = None,
+    watch: Watch | None = None,
 ) -> Outcome:
     """Fly to the end, or until the vehicle is lost, or until `stop` returns true.
 
@@ -66,6 +77,8 @@ def fly(
         Called every `SLICE_ROWS` rows, and at every row where the program has a step in plain Python; if it returns
         true, the flight ends there, and the rows flown so far are recorded, also if a KeyboardInterrupt is raised
         while it returns true. Any other Ctrl-C is left to Python: KeyboardInterrupt, and the recorders are incomplete.
+    watch
+        Is shown rows while they are flown, and may make the flight wait.
 
     Raises
     ------
@@ -79,7 +92,7 @@ def fly(
     _flown[id(flight)] = flight
     flight.program.stop = stop
     with flight.program.around():
-        return _fly(flight, recorders, progress, stop)
+        return _fly(flight, recorders, progress, stop, watch)
 
 
 def _fly(
@@ -87,8 +100,9 @@ def _fly(
     recorders: Sequence[Recorder],
     progress: Callable[[int], None] | None,
     stop: Callable[[], bool] | None,
+    watch: Watch | None,
 ) -> Outcome:
-    slice_rows = _slice_rows(flight)
+    slice_rows = _slice_rows(flight) if watch is None else min(_slice_rows(flight), watch.rows)
     unsound, tape, idle = numerical.unsound(flight), Tape(flight), Idle(flight)
     total = 1 if unsound is not None else flight.steps + 1
     wall_s = 0.0
@@ -117,6 +131,8 @@ def _fly(
                 lost = None if stopped else records[flown].copy()
             if progress is not None:
                 progress(done + flown)
+            if watch is not None and flown:
+                started += watch.take(records[flown - 1], stop)  # a wait is no time of the loop
             stopped = stopped or (stop is not None and stop())
         wall_s += time.perf_counter() - started
         # the row outside the envelope is still valid, unless it is not a number or has no command

@@ -15,6 +15,8 @@ from uavftc.analysis.metrics import Metrics
 from uavftc.flight.build import Flight, build_flight
 from uavftc.flight.fly import Outcome, fly
 from uavftc.flight.trusted import TrustedRange
+from uavftc.jobs.live.pace import Pace
+from uavftc.jobs.live.target import Target
 from uavftc.jobs.twin import document_of, fly_twin
 from uavftc.results.flight import FlightResult, metadata_of, notes_of, origin_of
 from uavftc.results.folder import ResultFolder
@@ -25,6 +27,9 @@ from uavftc.scenario.schema import Scenario
 
 Progress = Callable[[int], AbstractContextManager[Callable[[int], None]]]
 """Given the number of rows, a context that yields a function to call with the rows flown so far."""
+
+Live = tuple[float, Target | None]
+"""Seconds of flight in a second, and where each row goes."""
 
 Page = Callable[
     [Flight, FlightResult, Mapping[str, Any], Mapping[str, np.ndarray], Mapping[str, np.ndarray] | None], str
@@ -41,6 +46,7 @@ def fly_mission(
     inputs: Sequence[Path] = (),
     twin: bool = False,
     page: Page | None = None,
+    live: Live | None = None,
 ) -> tuple[dict[str, Any], Outcome]:
     """Fly a scenario and write its result folder, whole or not at all.
 
@@ -63,6 +69,8 @@ def fly_mission(
         Whether to fly the same without faults, too, and say what each of them did.
     page
         What makes `report.html`; None: there is none.
+    live
+        At which pace it flies, and where to it is sent; None: as fast as it can.
 
     Returns
     -------
@@ -82,6 +90,7 @@ def fly_mission(
     metadata, metrics = metadata_of(flight.scenario, origin), Metrics(flight.given.axes)
     monitor = flight.monitor()
     trusted = TrustedRange(flight.aircraft.trusted)
+    paced = None if live is None else Pace(flight, *live)
     with Hold(signal.SIGINT) as hold:
         with folder:
             history = folder.path / "history.parquet"
@@ -90,7 +99,7 @@ def fly_mission(
                 nullcontext(None) if progress is None else progress(flight.steps + 1) as advance,
                 hold.second_acts() as stopped,
             ):
-                outcome = fly(flight, [parquet, metrics, monitor, trusted], advance, stop=stopped)
+                outcome = fly(flight, [parquet, metrics, monitor, trusted], advance, stop=stopped, watch=paced)
             if outcome.interrupted:
                 hold.take()
             axes = metrics.axes(completed=outcome.completed)
@@ -99,6 +108,9 @@ def fly_mission(
             result = FlightResult(flight.scenario, outcome, axes, None, origin, remarks, flight.layout, met)
             (folder.path / "scenario.yaml").write_text(scenario_text(flight.scenario), encoding="utf-8", newline="\n")
             document = result.summary()
+            if paced is not None:
+                paced.close()
+                document["timing"] |= paced.timing()
             if other is not None:
                 document["twin"] = document_of(flight.scenario, read_history(history), other)
             unfaulted = None if other is None else other.history
