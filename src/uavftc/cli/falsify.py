@@ -8,8 +8,7 @@ from typing import Annotated, Literal, Optional
 
 import typer
 
-from uavftc.cli import complete
-from uavftc.cli.options import NoPlots, Quiet
+from uavftc.cli.options import CampaignName, CampaignOverrides, Cluster, NoPlots, Quiet, Resume, Workers
 from uavftc.cli.outcome import UNEXPECTED
 
 SHORT = "Search a campaign's ranges for what breaks a controller."
@@ -20,14 +19,7 @@ EXAMPLES = (
 
 
 def falsify(
-    campaign: Annotated[
-        str,
-        typer.Argument(
-            metavar="CAMPAIGN",
-            help="A campaign file, or the name of a shipped one (falsify-paper).",
-            autocompletion=complete.campaign,
-        ),
-    ],
+    campaign: CampaignName,
     budget: Annotated[int, typer.Option(min=1, metavar="N", help="Flights of each controller.")] = 500,
     objective: Annotated[
         Literal["margin", "nearest"],
@@ -37,14 +29,8 @@ def falsify(
         Optional[int],  # noqa: UP045
         typer.Option(min=0, metavar="S", help="Of the search; default: that of the campaign."),
     ] = None,
-    workers: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option(min=1, metavar="N", help="Processes; default: as many as cores. What is found is the same."),
-    ] = None,
-    cluster: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(metavar="ADDRESS", help="Fly on a Dask cluster: the address of its scheduler."),
-    ] = None,
+    workers: Workers = None,
+    cluster: Cluster = None,
     controller: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(metavar="NAME", help="Search this controller in place of those of the campaign."),
@@ -53,11 +39,8 @@ def falsify(
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="DIR", help="Result folder; default results/falsify-<campaign>."),
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the search in DIR.")] = False,
-    overrides: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value of the campaign, such as plants=[analytic]."),
-    ] = None,
+    resume: Resume = False,
+    overrides: CampaignOverrides = None,
     no_plots: NoPlots = False,
     quiet: Quiet = False,
 ) -> None:

@@ -47,6 +47,31 @@ Overrides = Annotated[
         autocompletion=complete.key,
     ),
 ]
+CampaignName = Annotated[
+    str,
+    typer.Argument(
+        metavar="CAMPAIGN",
+        help="A campaign file, or the name of a shipped one (uavftc scenarios).",
+        autocompletion=complete.campaign,
+    ),
+]
+CampaignOverrides = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option("--set", metavar="KEY=VALUE", help="Change one value of the campaign, such as cases=60."),
+]
+Workers = Annotated[
+    Optional[int],  # noqa: UP045
+    typer.Option(
+        "--workers", min=1, metavar="N", help="Processes; default: as many as cores. Results do not depend on it."
+    ),
+]
+Cluster = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--cluster", metavar="ADDRESS", help="Fly on a Dask cluster instead, tcp://host:8786 (extra `campaign`)."
+    ),
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is in DIR: fly only what is missing.")]
 NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw no figures.")]
 Report = Annotated[
     bool, typer.Option("--report", help="Write report.html too: one page to look at, with the extra 'report'.")

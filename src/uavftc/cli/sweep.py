@@ -8,8 +8,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from uavftc.cli import complete
-from uavftc.cli.options import Quiet
+from uavftc.cli.options import CampaignName, CampaignOverrides, Cluster, Quiet, Resume, Workers
 from uavftc.cli.outcome import UNEXPECTED
 
 SHORT = "Fly a campaign: thousands of random cases in one table."
@@ -20,27 +19,14 @@ EXAMPLES = (
 
 
 def sweep(
-    campaign: Annotated[
-        str,
-        typer.Argument(
-            metavar="CAMPAIGN",
-            help="A campaign file, or the name of a shipped one (paper-faults).",
-            autocompletion=complete.campaign,
-        ),
-    ],
-    workers: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option(min=1, metavar="N", help="Processes; default: as many as cores. The table does not depend on it."),
-    ] = None,
-    cluster: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(metavar="ADDRESS", help="Fly on a Dask cluster instead, tcp://host:8786 (extra `campaign`)."),
-    ] = None,
+    campaign: CampaignName,
+    workers: Workers = None,
+    cluster: Cluster = None,
     out: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(metavar="DIR", help="Result folder; default results/sweep-<campaign>."),
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Fly only what is missing in DIR.")] = False,
+    resume: Resume = False,
     until_width: Annotated[
         Optional[float],  # noqa: UP045
         typer.Option(
@@ -50,10 +36,7 @@ def sweep(
             help="End when the 95 % interval of success of every controller is this narrow, such as 0.02.",
         ),
     ] = None,
-    overrides: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value of the campaign, such as cases=60."),
-    ] = None,
+    overrides: CampaignOverrides = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Show the first cases, the count and an estimate; write nothing.")
     ] = False,
