@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 import tomllib
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import ziamath
 from docutils.nodes import SkipNode
-from latex2mathml.converter import convert
 
 if TYPE_CHECKING:
     from docutils import nodes
@@ -50,13 +51,15 @@ default_role = "code"
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 88
 
+ziamath.config.svg2 = False  # each picture has its own letters
+
 # Look
 html_theme = "furo"
 html_title = f"uavftc {version}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
-html_math_renderer = "mathml"
+html_math_renderer = "drawn"
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
 pygments_style = "friendly"
@@ -92,19 +95,28 @@ def read(app: Sphinx, name: str, source: list[str]) -> None:
         source[0] = outside(page, source[0])
 
 
+def drawn(tex: str, size: float, inline: bool) -> str:
+    """Return an equation as a picture of its letters, the same in every browser: no script, no network, no font."""
+    latex = ziamath.Latex(tex.strip(), size=size, color="currentColor", inline=inline)
+    picture = f'<svg role="img" aria-label="{escape(tex.strip(), quote=True)}" '
+    if inline:
+        picture += f'style="vertical-align: {latex.getyofst():.2f}px" '
+    return picture + latex.svg().removeprefix("<svg ")
+
+
 def inline_math(self: HTML5Translator, node: nodes.math) -> None:
-    """Write an equation as MathML, which browsers draw by themselves: no script, no network."""
-    self.body.append(convert(node.astext(), display="inline"))
+    """Write an equation in a line."""
+    self.body.append(f'<span class="math">{drawn(node.astext(), 17, inline=True)}</span>')
     raise SkipNode
 
 
 def block_math(self: HTML5Translator, node: nodes.math_block) -> None:
-    """Write a displayed equation as MathML."""
-    self.body.append(f'<div class="math">{convert(node.astext(), display="block")}</div>')
+    """Write a displayed equation."""
+    self.body.append(f'<div class="math">{drawn(node.astext(), 18, inline=False)}</div>')
     raise SkipNode
 
 
 def setup(app: Sphinx) -> None:
     """Connect what this file adds to Sphinx."""
     app.connect("source-read", read)
-    app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
+    app.add_html_math_renderer("drawn", (inline_math, None), (block_math, None))
