@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import uavftc
+from uavftc.analysis.requirements import margin_of
 from uavftc.errors import InputError
 from uavftc.flight.build import build_flight
 from uavftc.flight.fly import fly_to_memory
@@ -22,7 +23,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 import uavftc.gym  # noqa: E402 - registers
 from uavftc.gym.env import FaultTolerantAttitude  # noqa: E402
 from uavftc.gym.look import BOUNDS  # noqa: E402
-from uavftc.gym.reward import StepMargin  # noqa: E402
+from uavftc.gym.reward import Margins  # noqa: E402
 
 ID = "uavftc/FaultTolerantAttitude-v0"
 SHORT = {"duration_s": 1.0, "requirements": None}
@@ -98,8 +99,10 @@ def test_the_dense_reward_is_the_worst_margin_of_the_verdicts_own_formulas() -> 
     expected = m[:n] / n
     assert rewards[:-1] == pytest.approx(expected[:-1], rel=1e-12, abs=1e-15)
     assert rewards[-1] == pytest.approx(expected[-1] + info["verdict"]["margin"], rel=1e-12)
-    fresh = StepMargin(flight)
-    assert [fresh(k, records[k : k + 1], env._rows[k]) for k in range(n)] == pytest.approx(m[:n], rel=1e-12)
+    fresh = Margins(flight)
+    rows = env._rows
+    assert [fresh(rows, k, k + 1) for k in range(n)] == pytest.approx(m[:n], rel=1e-12)
+    assert Margins(flight)(rows, 0, n) == pytest.approx(m[:n].sum(), rel=1e-12)
 
 
 def test_the_verdict_at_the_end_is_that_of_the_flight() -> None:
@@ -248,3 +251,40 @@ def test_the_examples_fly_a_case_and_a_rate_loop_is_better_than_chance() -> None
     scripted, verdict = gym_agents.episode(env, gym_agents.scripted, 0)
     assert scripted > random + 0.5
     assert verdict["outcome"] != "lost"
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "abs(phi_deg) <= 60 and not (theta_deg >= 5) or psi_error_deg <= 2*t**2",
+        "phi_rad >= -0.1 implies sin(q_radps)/(1 + cos(t)) <= max(0.2, tanh(t), exp(-t))",
+        "aileron_cmd_travel_degps <= 30 and elevator_saturated_share <= 0.5 and min(sqrt(t), 2, pi) >= -1",
+        "left_aileron_rad <= 0.4 and left_aileron_travel_radps <= 1 and roll_moment_asked_nm <= 1e5",
+        "psi_deg <= 3 and psi_meas_deg >= -3 and left_motor_throttle <= 1 and load_factor <= 3.8",
+        "1/(phi_rad - phi_rad) <= 2",
+    ],
+)
+def test_the_machine_reads_a_formula_as_the_verdict_does(formula: str) -> None:
+    # every operation, every kind of signal, and what is not a number
+    asked = [{"name": "one", "always": formula, "scale": 2.0}]
+    flight = build_flight(load_scenario("scenario3", set={"duration_s": 1.0, "requirements": asked}))
+    records, _ = fly_to_memory(flight)
+    rows = np.ascontiguousarray(records.view(float).reshape(len(records), -1))
+    (one,) = flight.requirements
+    values = {name: flight.signals[name].make(one.window).take(records) for name in one.formula.names}
+    rho = np.broadcast_to(one.formula.robustness(values, one.scale), len(records))
+    margins = Margins(flight)
+    found = [margins(rows, k, k + 1) for k in range(len(records))]
+    assert found == pytest.approx([margin_of(float(r)) for r in rho], rel=1e-12, abs=1e-14)
+
+
+def test_an_action_held_over_samples_is_the_same_flight_on_jsbsim_as_commanded_at_each() -> None:
+    held = FaultTolerantAttitude(scenario="scenario3", hold=5, set={"duration_s": 1.0})
+    each = FaultTolerantAttitude(scenario="scenario3", set={"duration_s": 1.0})
+    for env in (held, each):
+        env.reset(options={"case": 0}, seed=0)
+    actions = np.random.default_rng(0).uniform(-0.2, 0.2, (40, 3)).astype(np.float32)
+    together = sum(held.step(action)[1] for action in actions)
+    apart = sum(each.step(action)[1] for action in actions for _ in range(5))
+    assert together == pytest.approx(apart, rel=1e-12)
+    assert held.records.tobytes() == each.records.tobytes()

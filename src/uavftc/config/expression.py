@@ -8,7 +8,6 @@ The text is read once into a tree of NumPy operations; it is never evaluated as 
 from __future__ import annotations
 
 import ast
-import operator
 import re
 from collections.abc import Callable, Collection, Mapping
 from functools import reduce
@@ -53,7 +52,7 @@ _NAME = re.compile(r"[^\W\d]\w*")
 _BLANK = " \t\r\n"
 
 Node = Callable[[Mapping[str, Any]], Any]
-"""Given the values of the names, arrays of one shape or numbers, returns those of the expression."""
+"""Given the values of the names, such as arrays of one shape, returns those of the expression."""
 
 
 class Expression:
@@ -146,7 +145,7 @@ def _parse(line: str) -> ast.expr:
 
 
 class Arithmetic(NamedTuple):
-    """What an expression is made of: of arrays, or of Python's own numbers, which take a tenth of the time."""
+    """What an expression is made of: arrays, or whatever else has these operations."""
 
     constant: Callable[[float], Any]
     binary: Mapping[type[ast.operator], Callable[..., Any]]
@@ -154,18 +153,6 @@ class Arithmetic(NamedTuple):
 
 
 ARRAYS = Arithmetic(lambda number: np.array(number, dtype=np.float64), _BINARY, FUNCTIONS)
-NUMBERS = Arithmetic(
-    float,
-    {
-        ast.Add: operator.add,
-        ast.Sub: operator.sub,
-        ast.Mult: operator.mul,
-        ast.Div: operator.truediv,
-        ast.Pow: np.power,
-    },
-    {**FUNCTIONS, "abs": abs, "min": min, "max": max},
-)
-"""The same bits where no number is nan and nothing is divided by 0, which raises here."""
 
 
 def build(node: ast.expr, line: str, depth: int, names: Collection[str], of: Arithmetic = ARRAYS) -> Node:

@@ -32,7 +32,6 @@ from uavftc.config.expression import (
     FUNCTIONS,
     MAX_DEPTH,
     MAX_LENGTH,
-    NUMBERS,
     Arithmetic,
     build,
     check_tokens,
@@ -63,7 +62,7 @@ class Formula:
         If the text is not a formula as described above. The message names the offending part.
     """
 
-    __slots__ = ("_node", "_number", "names", "text", "unscaled")
+    __slots__ = ("_node", "names", "text", "unscaled")
 
     names: tuple[str, ...]
     """Signals in it, in the order of the text."""
@@ -90,7 +89,6 @@ class Formula:
         )
         self.names = tuple(dict.fromkeys(name for _, name in found if name not in (*FUNCTIONS, "pi")))
         self.unscaled = None
-        self._number: _Robustness | None = None
         self._node = self._formula(tree, line, 0)
 
     def robustness(self, values: Mapping[str, np.ndarray], scale: float | None = None) -> np.ndarray:
@@ -113,18 +111,10 @@ class Formula:
                 found = np.where(np.isnan(found), -np.inf, found)
         return found
 
-    def at(self, values: Mapping[str, float], scale: float | None = None) -> float:
-        """Return the robustness at one sample, of numbers by name: that of `robustness`, in a tenth of its time."""
-        if self._number is None:
-            line = _blanks(self.text)
-            self._number = self._formula(_parse(line), line, 0, NUMBERS)
-        try:
-            found: float = self._number(values, scale)
-            if not any(values[name] != values[name] for name in self.names):  # only nan is not itself
-                return found
-        except ArithmeticError:
-            pass
-        return float(self.robustness({name: np.array([values[name]]) for name in self.names}, scale)[0])
+    def made_of(self, of: Arithmetic) -> _Robustness:
+        """Return its robustness over values of another arithmetic, given by name, and a scale."""
+        line = _blanks(self.text)
+        return self._formula(_parse(line), line, 0, of)
 
     def __repr__(self) -> str:
         return f"Formula({self.text!r})"

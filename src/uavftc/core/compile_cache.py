@@ -18,7 +18,8 @@ import numba
 from uavftc.core import cache
 
 COMPILED = (
-    "core", "control", "sensors", "actuators", "environment", "plants", "flight/envelope.py", "gym/look.py", "stage.py",
+    "core", "control", "sensors", "actuators", "environment", "plants", "flight/envelope.py", "gym/look.py",
+    "gym/machine.py", "stage.py",
 )  # fmt: skip
 """Where this project's compiled code lives."""
 

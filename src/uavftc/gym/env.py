@@ -32,7 +32,7 @@ from uavftc.flight import envelope
 from uavftc.flight.build import Flight, build_flight
 from uavftc.gym import look
 from uavftc.gym.draw import Draw
-from uavftc.gym.reward import StepMargin
+from uavftc.gym.reward import Margins
 
 
 class FaultTolerantAttitude(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -116,8 +116,9 @@ class FaultTolerantAttitude(gymnasium.Env[np.ndarray, np.ndarray]):
         super().reset(seed=seed)
         asked = options or {}
         drawn = self._draw(self.np_random, asked.get("case"), asked.get("variant"))
-        self._state = np.zeros(1, agents.STATE)
-        self._flight = flight = build_flight(drawn.scenario, drawn.aircraft, agents.Agent(self._mode, self._state))
+        state = np.zeros(1, agents.STATE)
+        self._action = state["action"][0]
+        self._flight = flight = build_flight(drawn.scenario, drawn.aircraft, agents.Agent(self._mode, state))
         if flight.program.in_python:
             raise InputError(
                 "the controller",
@@ -141,7 +142,7 @@ class FaultTolerantAttitude(gymnasium.Env[np.ndarray, np.ndarray]):
         self._rows = empty_rows(flight.steps + 1, flight.shape)
         self._records = as_records(self._rows, flight.shape)
         flight.inputs.fill(self._records, 0)
-        self._margin_at, self._weight = StepMargin(flight), 1.0 / flight.steps
+        self._margins, self._weight = Margins(flight), 1.0 / flight.steps
         self._k, self._end = 0, flight.steps
         flight.plant.look()
         self._sense.run(self._rows, 0, 1)
@@ -155,24 +156,22 @@ class FaultTolerantAttitude(gymnasium.Env[np.ndarray, np.ndarray]):
         RuntimeError
             Where the episode is over, or has not begun.
         """
-        k, rows, records = self._k, self._rows if self._end > 0 else None, None
-        if rows is None or k >= self._end:
+        k = self._k
+        if k >= self._end:
             raise RuntimeError("the episode is over: call reset")
-        records = self._records
-        self._state["action"][0] = action
-        reward = 0.0
-        for _ in range(self._hold):
-            lost = self._flight.plant.run(self._rest, rows, k, k + 1) == k
-            if not lost:
-                self._last[:] = self._state["action"][0]
-                reward += self._margin_at(k, records[k : k + 1], rows[k])
-                k += 1
-                lost = self._sense.run(rows, k, k + 1) == k
-            if lost or k == self._end:
-                break
+        rows = self._rows
+        self._action[:] = action
+        begun, until, run = k, min(k + self._hold, self._end), self._flight.plant.run
+        k = run(self._rest, rows, k, k + 1)
+        if begun < k < until:  # the samples that an action is held for are flown as one
+            k = run(self._flight.program, rows, k, until)
+        lost = k < until
+        reward = self._weight * self._margins(rows, begun, k)
+        if not lost:
+            self._last[:] = self._action
+            lost = self._sense.run(rows, k, k + 1) == k
         self._k = k
         ended = lost or k == self._end
-        reward *= self._weight
         info: dict[str, Any] = {}
         if ended:
             self._end = k  # no step follows

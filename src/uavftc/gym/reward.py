@@ -1,37 +1,25 @@
 """The dense part of the reward: the margin of the worst requirement at a sample.
 
 Of each requirement of the kind `always` whose window holds the sample, the robustness of its formula there, compressed
-as a verdict's (`analysis/requirements.py`): at most 1, 0 at the limit, above -1. `eventually` says nothing of a sample;
-it counts in the verdict at the end.
-
-The formulas are those of the verdict. Signals are read from the row one number at a time here, where a verdict takes
-chunks of rows; what is no plain column is taken as the verdict takes it, from a chunk of one row.
+as a verdict's (`analysis/requirements.py`): at most 1, 0 at the limit, above -1; 1 where nothing is asked. `eventually`
+says nothing of a sample; it counts in the verdict at the end. The formulas are those of the verdict, run by
+`machine.py`, and the signals those of `analysis/derived.py`.
 """
 
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable
 
 import numpy as np
 
-from uavftc.analysis.derived import IN_DEGREES, Source, Window
-from uavftc.analysis.requirements import margin_of
-from uavftc.config.formula import Formula
-from uavftc.core.signals import ROW, Column
+from uavftc.analysis.derived import IN_DEGREES, Window
+from uavftc.core.signals import ANGLES, EFFECTOR, ENGINE, SURFACES, Column, row_type
 from uavftc.flight.build import Flight
-
-Reader = Callable[[list[float], np.ndarray], float]
-"""A signal at a sample: of the numbers of its row, and of its record, shape (1,)."""
-
-ANGLES = ("phi", "theta", "psi")
-_AT = {name: ROW.fields[name][1] // 8 for name in ROW.names or ()}  # type: ignore[index]
-_TURN = 2.0 * math.pi
+from uavftc.gym.machine import ASK, DEPTH, GROW, HEADING, ROW, SYMBOLS, Code, code, judge
 
 
-class StepMargin:
-    """The margin of each sample of a flight, asked in their order.
+class Margins:
+    """The margins of the samples of a flight, asked in their order.
 
     Parameters
     ----------
@@ -40,94 +28,77 @@ class StepMargin:
     """
 
     def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+        self._row = row_type(flight.shape)
         self._columns = {column.name: column for column in flight.columns}
-        self._asked: list[tuple[Formula, float | None, int, float, int]] = []
-        self._readers: dict[int, dict[str, Reader]] = {}
+        self._memory: list[float] = []
+        steps: list[tuple[float, float, float]] = []
         for one in flight.requirements:
-            if not one.always:
-                continue
-            readers = self._readers.setdefault(one.window.rows, {})
-            for name in one.formula.names:
-                if name not in readers:
-                    known = flight.signals[name]
-                    readers[name] = self._reader(name, one.window) or _by_source(known.make(one.window))
-            last = math.inf if one.last is None else float(one.last)
-            self._asked.append((one.formula, one.scale, one.first, last, one.window.rows))
+            if one.always:
+                values = {name: self._signal(name, one.window) for name in one.formula.names}
+                steps += one.formula.made_of(SYMBOLS)(values, one.scale).steps
+                steps.append((ASK, float(one.first), math.inf if one.last is None else float(one.last)))
+        self._table = np.array(steps, dtype=float).reshape(-1, 3)
+        self._kept = np.array(self._memory)
+        self._stack, self._judge = np.zeros(DEPTH), judge()
 
-    def __call__(self, k: int, record: np.ndarray, row: np.ndarray) -> float:
-        """Return the margin at sample `k`: of its record, shape (1,), and the same as numbers, shape (width,).
+    def __call__(self, rows: np.ndarray, first: int, last: int) -> float:
+        """Return the sum of the margins at samples `first` to `last - 1`, of rows of shape (n, width)."""
+        return self._judge(self._table, self._kept, self._stack, rows, first, last)
 
-        It is 1 where no requirement asks anything of the sample.
-        """
-        numbers = row.tolist()
-        seen = {
-            window: {name: reader(numbers, record) for name, reader in readers.items()}
-            for window, readers in self._readers.items()
-        }
-        worst = math.inf
-        for formula, scale, first, last, window in self._asked:
-            if first <= k <= last:
-                worst = min(worst, formula.at(seen[window], scale))
-        return margin_of(worst) if worst < 1.0 else 1.0
-
-    def _reader(self, name: str, window: Window) -> Reader | None:
-        """Return what reads a plain column, an error or a travel, or one of these in degrees; None of another."""
+    def _signal(self, name: str, window: Window) -> Code:
+        """Return the code of a signal: of a column, or of one derived as `analysis/derived.py` says."""
         stem, _, unit = name.rpartition("_")
         for radians, degrees in IN_DEGREES.items():
-            if unit == degrees and (inner := self._reader(f"{stem}_{radians}", window)) is not None:
-                return _turned(inner)
-        if stem.endswith("_error") and unit == "rad" and stem.removesuffix("_error") in ANGLES:
-            return _error(ANGLES.index(stem.removesuffix("_error")))
-        if (
-            stem.endswith("_travel")
-            and unit == "radps"
-            and (of := self._reader(f"{stem[:-7]}_rad", window)) is not None
-        ):
-            return _Travel(of, window)
-        column = self._columns.get(name)
-        if column is None or not _is_plain(column):
-            return None
-        at, sign = _AT[column.field] + (column.component or 0), column.sign
-        return (lambda numbers, _: numbers[at]) if sign == 1.0 else (lambda numbers, _: sign * numbers[at])
+            if unit == degrees and f"{stem}_{radians}" in self._flight.signals:
+                return code(math.degrees(1.0)) * self._signal(f"{stem}_{radians}", window)
+        if name == "t":
+            return self._at("t")
+        if stem.endswith("_error") and (angle := stem.removesuffix("_error")) in ANGLES:
+            i = ANGLES.index(angle)
+            return self._at("x1_c", i) - (self._heading("x1") if i == 2 else self._at("x1", i))
+        if stem.endswith("_travel"):
+            return self._grow(self._column(self._columns[f"{stem.removesuffix('_travel')}_rad"]), window,
+                              (math.nan, math.nan), 1.0 / window.length_s)  # fmt: skip
+        if name.endswith("_saturated_share"):
+            axis = SURFACES.index(name.removesuffix("_saturated_share"))
+            least, greatest = self._flight.given.design.limits_rad[axis]
+            return self._grow(self._at("v2", axis), window, (float(least), float(greatest)), 1.0 / window.rows)
+        return self._column(self._columns[name])
+
+    def _column(self, column: Column) -> Code:
+        """Return the code of a column of the history, as `signals.column` reads it."""
+        if column.name in ("psi_rad", "psi_meas_rad"):
+            return self._heading(column.field)
+        if column.effector is not None:
+            at = self._place("effectors") + (column.effector * EFFECTOR.itemsize + _offset(EFFECTOR, column.field)) // 8
+            return code(column.sign) * (code(column.offset) + Code(((ROW, float(at), 0.0),)))
+        if column.engine is not None:
+            at = self._place("engines") + (column.engine * ENGINE.itemsize + _offset(ENGINE, column.field)) // 8
+            return Code(((ROW, float(at), 0.0),))
+        if column.weights is not None:
+            parts = [code(weight) * self._at(column.field, i) for i, weight in enumerate(column.weights)]
+            return sum(parts, code(0.0))
+        plain = self._at(column.field, column.component or 0)
+        return plain if column.sign == 1.0 else code(column.sign) * plain
+
+    def _place(self, field: str) -> int:
+        return _offset(self._row, field) // 8
+
+    def _at(self, field: str, component: int = 0) -> Code:
+        return Code(((ROW, float(self._place(field) + component), 0.0),))
+
+    def _heading(self, field: str) -> Code:
+        return Code(((HEADING, float(self._place(field) + 2), float(self._place("x1_c") + 2)),))
+
+    def _grow(self, value: Code, window: Window, limits: tuple[float, float], factor: float) -> Code:
+        """Return the code of what a sum over a signal grows by in a window, with a memory of its own."""
+        at = len(self._memory)
+        self._memory += [float(window.rows), math.nan, *limits, 0.0, 0.0, *[0.0] * window.rows]
+        return Code((*value.steps, (GROW, float(at), factor)))
 
 
-def _is_plain(column: Column) -> bool:
-    own = (column.effector, column.engine, column.weights)
-    return own == (None, None, None) and column.field in _AT and not column.name.startswith("psi")
-
-
-def _turned(inner: Reader) -> Reader:
-    factor = math.degrees(1.0)
-    return lambda numbers, record: factor * inner(numbers, record)
-
-
-def _error(axis: int) -> Reader:
-    reference, angle = _AT["x1_c"] + axis, _AT["x1"] + axis
-    if axis < 2:
-        return lambda numbers, _: numbers[reference] - numbers[angle]
-
-    def heading(numbers: list[float], _: np.ndarray) -> float:
-        near = numbers[angle] - _TURN * round((numbers[angle] - numbers[reference]) / _TURN)
-        return numbers[reference] - near
-
-    return heading
-
-
-class _Travel:
-    """How far a signal went in the window behind a sample, over its length: `derived.Behind`, number by number."""
-
-    def __init__(self, of: Reader, window: Window) -> None:
-        self._of, self._factor = of, 1.0 / window.length_s
-        self._sums = deque([0.0] * window.rows, maxlen=window.rows)
-        self._last: float | None = None
-
-    def __call__(self, numbers: list[float], record: np.ndarray) -> float:
-        value = self._of(numbers, record)
-        total = self._sums[-1] + abs(value - (value if self._last is None else self._last))
-        self._last, behind = value, self._sums[0]
-        self._sums.append(total)
-        return self._factor * (total - behind)
-
-
-def _by_source(source: Source) -> Reader:
-    return lambda _, record: float(source.take(record)[0])
+def _offset(dtype: np.dtype, field: str) -> int:
+    fields = dtype.fields
+    assert fields is not None
+    return int(fields[field][1])
