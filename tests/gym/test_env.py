@@ -288,3 +288,15 @@ def test_an_action_held_over_samples_is_the_same_flight_on_jsbsim_as_commanded_a
     apart = sum(each.step(action)[1] for action in actions for _ in range(5))
     assert together == pytest.approx(apart, rel=1e-12)
     assert held.records.tobytes() == each.records.tobytes()
+
+
+def test_positions_that_jsbsim_moves_are_those_of_the_flight_row_by_row() -> None:
+    # a Cessna's surfaces are read, and belong to the row before; here each row is flown alone
+    given = {"duration_s": 1.0, "saturation": None}
+    env = FaultTolerantAttitude(scenario="scenario1", mode="assist", aircraft="jsbsim:c172p", set=given)
+    episode(env, options={"case": 0})
+    flight = build_flight(load_scenario("scenario1", aircraft="jsbsim:c172p", set=given))
+    plain = published(fly_to_memory(flight)[0], flight.columns)
+    ours = published(env.records, flight.columns)
+    assert [name for name in plain if not np.array_equal(ours[name], plain[name], equal_nan=True)] == []
+    assert np.ptp(plain["aileron_rad"]) > 1e-4
