@@ -6,6 +6,7 @@ The second half flies for some minutes: `pytest -m slow -n 0 tests/docs/test_com
 from __future__ import annotations
 
 import functools
+import json
 import os
 import re
 import shlex
@@ -109,7 +110,7 @@ NOT_RUN = {
     r"indi\.py": "the controller stands in tests/examples, whose tests fly it",
     r"^\.venv/bin/|tools/": "of the checkout: tools have their own tests",
 }
-RUN = ["docs/tutorial.md", "docs/custom-controller.md", "docs/new-aircraft.md", "docs/report.md", "docs/editor.md",
+RUN = ["docs/custom-controller.md", "docs/new-aircraft.md", "docs/report.md", "docs/editor.md",
        "docs/margins.md", "docs/damage.md", "docs/requirements.md", "docs/scenarios.md", "docs/survivable.md",
        "docs/theory.md", "docs/uncertainty.md", "docs/aircraft.md"]  # fmt: skip
 
@@ -134,15 +135,40 @@ def run(lines: list[str], folder: Path) -> None:
     assert done.returncode == 0, f"{last}: exit code {done.returncode}\n{done.stderr[-2000:]}"
 
 
+def run_page(page: str, folder: Path) -> None:
+    """Write the files of a page and run its commands in their order."""
+    text = text_of(page)
+    for name, content in files_of(text).items():
+        (folder / name).write_text(content, encoding="utf-8")
+    lines = [line for block in shell_blocks(text) for line in lines_of(block) if is_run(line)]
+    assert lines
+    run(lines, folder)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", RUN)
 def test_the_commands_of_a_page_run_in_their_order(page: str, tmp_path: Path) -> None:
-    text = text_of(page)
-    for name, content in files_of(text).items():
-        (tmp_path / name).write_text(content, encoding="utf-8")
-    lines = [line for block in shell_blocks(text) for line in lines_of(block) if is_run(line)]
-    assert lines
-    run(lines, tmp_path)
+    run_page(page, tmp_path)
+
+
+# What the tutorial says of the margin of each flight that it makes.
+MARGINS = {"scenario3": 0.92, "mine": 0.48, "worse": -0.81, "trainer-fault": 0.71}
+
+
+def check_margins(folder: Path) -> None:
+    text = text_of("docs/tutorial.md")
+    for name, margin in MARGINS.items():
+        assert f"{margin}" in text
+        summary = json.loads((folder / f"results/{name}-nndondi-l1-jsbsim/summary.json").read_text(encoding="utf-8"))
+        assert round(summary["verdict"]["margin"], 2) == margin, name
+
+
+@pytest.mark.slow
+def test_the_tutorial_runs_and_what_it_says_of_its_flights_is_so(tmp_path: Path) -> None:
+    run_page("docs/tutorial.md", tmp_path)
+    check_margins(tmp_path)
+    assert (tmp_path / "results/scenario3-nndondi-l1-jsbsim/report.html").exists()
+    assert (tmp_path / "trainer/uavftc.yaml").exists()
 
 
 @pytest.fixture(scope="module")
