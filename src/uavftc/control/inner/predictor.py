@@ -157,6 +157,11 @@ class PredictorConfig(Model):
         return found
 
 
+def _rows(matrix: Any) -> Any:
+    """Return a matrix as tuples, which can be looked up, whatever it was given as; None stays."""
+    return None if matrix is None else tuple(tuple(map(float, row)) for row in matrix)
+
+
 @functools.lru_cache(maxsize=64)
 def _designed(
     A_m: Matrix3, B_m: Matrix3 | None, K_1: Matrix3, Q: Matrix3, gain: str, axes: Controlled
@@ -182,7 +187,8 @@ def predictor_params(config: PredictorConfig, given: Given) -> dict[str, Any]:
         If the part of B_m or of A_m + K_1 that belongs to the controlled axes cannot be used.
     """
     axes = given.axes
-    A_m, B_m, A_s, P_B_m, K = _designed(config.A_m, config.B_m, config.K_1, config.Q, config.reference_gain, axes)
+    matrices = map(_rows, (config.A_m, config.B_m, config.K_1, config.Q))
+    A_m, B_m, A_s, P_B_m, K = _designed(*matrices, config.reference_gain, axes)
     limits = given.design.limits_rad if config.anti_windup == "limited" else UNLIMITED
     return {
         "h": given.h,
