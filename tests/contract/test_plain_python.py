@@ -75,6 +75,7 @@ stage = Stage(step, PARAMS, STATE)
 """
 
 
+@pytest.mark.slow
 def test_the_command_in_plain_python_flies_draws_and_ends_as_the_compiled_one(tmp_path):
     # a flight to its end; and a law that raises, which ends it with exit code 3 and its name, not with a traceback
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(Path(uavftc.__file__).parents[1])}

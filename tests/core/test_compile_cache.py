@@ -126,6 +126,7 @@ def start(cache):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_processes_may_fill_an_empty_cache_at_the_same_time(tmp_path):
     # sweeps start many at once: all compile, all write, each must come out right and leave a usable cache
     cache = tmp_path / "cache"

@@ -81,6 +81,7 @@ def test_delay_and_gain_limits_are_within_ten_percent_of_the_linear_margins(cont
         assert one.limit.held == pytest.approx(one.linear, rel=0.1)
 
 
+@pytest.mark.slow
 def test_on_jsbsim_the_delay_limit_is_within_ten_percent_of_that_of_its_linear_model():
     one = limits(["delay"], ["pid"], "saturation=null", plant="jsbsim")["pid", "delay"]
     assert one.limit.held == pytest.approx(one.linear, rel=0.1)

@@ -163,6 +163,7 @@ def error_at_the_end_of(phase: dict, name: str, controller: str) -> float:
     return float(np.degrees(np.abs(attitude_error(records[those]))).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["beyond/fault-hardover-stop", "beyond/fault-stuck-elevator", "damage/fin-off", "damage/rudder-off"]
 )

@@ -225,6 +225,7 @@ def command(*arguments, cwd):
 FLY = ("--set", "saturation=null", "--set", "duration_s=0.5", "--set", "initial.airspeed_mps=30", "--no-plots")
 
 
+@pytest.mark.slow
 def test_design_and_fly_leave_nothing_but_their_results(talker, ports, tmp_path):
     # From the command line, with the aircraft's folder read-only: beside it and in the working folder nothing is new.
     here = tmp_path / "here"

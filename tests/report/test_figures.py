@@ -87,6 +87,7 @@ def test_a_diverged_end_neither_fails_nor_flattens_the_axes(make_history):
     assert top < 10.0  # deg; the reference is 5
 
 
+@pytest.mark.slow
 def test_a_spike_of_one_sample_survives_an_hour(tmp_path, make_history):
     history = make_history(720_000)
     history = {name: v.copy() for name, v in history.items()}

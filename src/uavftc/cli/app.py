@@ -50,7 +50,7 @@ def umbrella_of(commands: Sequence[Callable[..., None]]) -> typer.Typer:
 
 def _help_of(command: Callable[..., None], script: str = "uavftc fly") -> dict[str, Any]:
     """Return what a command's file says for its help: the line in the list of commands, and its examples."""
-    module = sys.modules[command.__module__]
+    module = sys.modules.get(command.__module__)
     found: dict[str, Any] = {}
     if (short := getattr(module, "SHORT", None)) is not None:
         found["short_help"] = short

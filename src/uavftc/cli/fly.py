@@ -116,8 +116,9 @@ def fly(
             from uavftc.jobs.live.pace import lateness_text  # noqa: PLC0415
 
             print(lateness_text(document["timing"]), file=sys.stderr)
-        for line in next_steps(document, [scenario, *_given(aircraft, overrides)], folder):
-            print(f"next: {line}", file=sys.stderr)
+        if sys.stderr.isatty():  # for people: a script reads nothing but what is wrong there
+            for line in next_steps(document, [scenario, *_given(aircraft, overrides)], folder):
+                print(f"next: {line}", file=sys.stderr)
     lacking = missing_lines(document, folder)
     for line in lacking:
         print(line, file=sys.stderr)

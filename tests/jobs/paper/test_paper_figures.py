@@ -57,6 +57,7 @@ def legend(figure) -> list[str]:
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
+@pytest.mark.slow
 def test_ten_figures_as_png_and_pdf_at_the_width_of_a_page(tmp_path: Path, flights):
     paths = write_figures(tmp_path / "figures", flights, prefix="analytic-")
     names = [f"analytic-figure-{n:02d}.{kind}" for n in range(2, 12) for kind in ("png", "pdf")]
