@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import ast
+import re
+import subprocess
+import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -175,3 +179,32 @@ def test_no_file_is_long():
     # what is longer holds more than one thing
     lengths = {str(f.relative_to(PACKAGE)): len(f.read_text(encoding="utf-8").splitlines()) for f in FILES}
     assert {name: n for name, n in lengths.items() if n > MAX_LINES} == {}
+
+
+EXTRAS = {"cma", "SALib", "distributed", "dask", "gymnasium", "plotly", "jinja2"}
+"""Packages that an extra brings; only the modules that need one import it, and no command loads those without need."""
+NAMED = {"ruamel.yaml": "ruamel"}
+"""Where a package is imported by another name than the one that it is installed by."""
+BROUGHT = {"pydantic_core", "llvmlite"}
+"""What pydantic and numba are made of, and always bring."""
+
+
+def test_what_is_imported_is_a_declared_dependency():
+    # another package may bring it here, and not in the environment of a user
+    text = tomllib.loads((PACKAGE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    declared = {re.split(r"[<>=\[; ]", one)[0] for one in text["project"]["dependencies"]}
+    known = {NAMED.get(name, name) for name in declared} | BROUGHT | EXTRAS | {"uavftc", *sys.stdlib_module_names}
+    found = set()
+    for file in FILES:
+        for node in ast.walk(parsed(file)):
+            if isinstance(node, ast.Import):
+                found |= {(alias.name.partition(".")[0], file.name) for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                found.add(((node.module or "").partition(".")[0], file.name))
+    assert {pair for pair in found if pair[0] not in known} == set()
+
+
+def test_the_commands_load_where_no_extra_is_installed():
+    absent = sorted(EXTRAS | {"pandas"})
+    code = f"import sys; sys.modules.update(dict.fromkeys({absent}))\nimport uavftc.cli.app, uavftc.api.doors"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
-import click
+import typer
 
-Offer = Callable[[click.Context, str], list[str]]
+Offer = Callable[[typer.Context, str], list[str]]
 
 
 def _beginning(names: list[str], incomplete: str) -> list[str]:
     return [name for name in names if name.startswith(incomplete)]
 
 
-def scenario(ctx: click.Context, incomplete: str) -> list[str]:
+def scenario(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the shipped scenarios; the shell offers files by itself."""
     from uavftc.config import shipped  # noqa: PLC0415
 
@@ -23,14 +23,14 @@ def scenario(ctx: click.Context, incomplete: str) -> list[str]:
     return _beginning([*shipped.scenario_names(), *grouped], incomplete)
 
 
-def campaign(ctx: click.Context, incomplete: str) -> list[str]:
+def campaign(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the shipped campaigns."""
     from uavftc.config import shipped  # noqa: PLC0415
 
     return _beginning(sorted(p.stem for p in (shipped.scenario_dir() / "campaigns").glob("*.yaml")), incomplete)
 
 
-def aircraft(ctx: click.Context, incomplete: str) -> list[str]:
+def aircraft(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the shipped aircraft and JSBSim's."""
     from uavftc.aircraft.definition import stock_names  # noqa: PLC0415
     from uavftc.config import shipped  # noqa: PLC0415
@@ -38,12 +38,12 @@ def aircraft(ctx: click.Context, incomplete: str) -> list[str]:
     return _beginning([*shipped.aircraft_names(), *(f"jsbsim:{name}" for name in stock_names())], incomplete)
 
 
-def controller(ctx: click.Context, incomplete: str) -> list[str]:
+def controller(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the controllers that have a name."""
     return _beginning(_controllers(), incomplete)
 
 
-def controllers(ctx: click.Context, incomplete: str) -> list[str]:
+def controllers(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the next controller of a list with commas."""
     before, comma, last = incomplete.rpartition(",")
     taken = before.split(",")
@@ -57,12 +57,12 @@ def _controllers() -> list[str]:
     return [*CONTROLLERS, *registered()]
 
 
-def plant(ctx: click.Context, incomplete: str) -> list[str]:
+def plant(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer both plants."""
     return _beginning(["jsbsim", "analytic"], incomplete)
 
 
-def key(ctx: click.Context, incomplete: str) -> list[str]:
+def key(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the keys of the scenario that the command names, level by level."""
     from uavftc.errors import InputError  # noqa: PLC0415
     from uavftc.scenario.load import load_scenario  # noqa: PLC0415
